@@ -1,0 +1,22 @@
+"""Solvers of nonlinear programs. They know nothing of cars."""
+
+from tightspot.solvers.base import Iteration, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.ipopt import Ipopt
+from tightspot.solvers.nlp import Nlp, RowBlock, Stage
+
+SOLVERS: dict[str, type[Solver]] = {Ipopt.name: Ipopt}
+"""Backends by the name used at the edges (command line, files)."""
+
+__all__ = [
+    "SOLVERS",
+    "Ipopt",
+    "Iteration",
+    "IterationCallback",
+    "Nlp",
+    "RowBlock",
+    "SolveReport",
+    "SolveStatus",
+    "Solver",
+    "Stage",
+    "WarmStart",
+]

@@ -1,0 +1,173 @@
+"""IPOPT with MUMPS, from CasADi's wheel: the reference backend, for any formulation and model."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+
+from tightspot.solvers.base import Array, Iteration, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.nlp import Nlp
+
+_STATUS = {
+    "Solve_Succeeded": SolveStatus.SOLVED,
+    "Solved_To_Acceptable_Level": SolveStatus.ACCEPTABLE,
+    "Infeasible_Problem_Detected": SolveStatus.INFEASIBLE,
+    "Maximum_Iterations_Exceeded": SolveStatus.ITERATION_LIMIT,
+    "Maximum_CpuTime_Exceeded": SolveStatus.TIME_LIMIT,
+    "Maximum_WallTime_Exceeded": SolveStatus.TIME_LIMIT,
+    "User_Requested_Stop": SolveStatus.STOPPED,
+    "Diverging_Iterates": SolveStatus.DIVERGED,
+    "Search_Direction_Becomes_Too_Small": SolveStatus.NUMERICAL,
+    "Restoration_Failed": SolveStatus.INFEASIBLE,
+    "Error_In_Step_Computation": SolveStatus.NUMERICAL,
+    "Invalid_Number_Detected": SolveStatus.NUMERICAL,
+}
+
+
+@dataclass(frozen=True)
+class Ipopt(Solver):
+    """Primal-dual interior-point filter line-search method (Waechter and Biegler, 2006).
+
+    The barrier strategy is adaptive in never-monotone mode: the best options found for this family of problems.
+
+    Attributes:
+        tolerance: IPOPT's ``tol``.
+        max_iterations: Limit.
+        time_limit: Wall-clock limit of one solve, s.
+        options: Further IPOPT options, by IPOPT's names; they override ours.
+    """
+
+    name: ClassVar[str] = "ipopt"
+    tolerance: float = 1e-8
+    max_iterations: int = 1000
+    time_limit: float = 60.0
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def solve(
+        self, nlp: Nlp, *, warm: WarmStart | None = None, callback: IterationCallback | None = None
+    ) -> SolveReport:
+        started = time.perf_counter()
+        watcher = _Watcher(nlp, callback) if callback else None
+        options: dict[str, Any] = {"ipopt": self._ipopt_options(warm), "print_time": False, "error_on_fail": False}
+        if watcher:
+            options["iteration_callback"] = watcher
+        function = ca.nlpsol("nlp", "ipopt", {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}, options)
+        built = time.perf_counter()
+        arguments: dict[str, Any] = {
+            "x0": nlp.x0 if warm is None else warm.x,
+            "p": nlp.p0,
+            "lbx": nlp.lbx,
+            "ubx": nlp.ubx,
+            "lbg": nlp.lbg,
+            "ubg": nlp.ubg,
+        }
+        if warm is not None and warm.lam_x is not None and warm.lam_g is not None:
+            arguments |= {"lam_x0": warm.lam_x, "lam_g0": warm.lam_g}
+        result = function(**arguments)
+        if watcher and watcher.interrupted:
+            raise KeyboardInterrupt
+        timings = {"build": built - started, "solve": time.perf_counter() - built}
+        return self._report(nlp, result, function.stats(), timings)
+
+    def _ipopt_options(self, warm: WarmStart | None) -> dict[str, Any]:
+        options: dict[str, Any] = {
+            "print_level": 0,
+            "sb": "yes",
+            "tol": self.tolerance,
+            "max_iter": self.max_iterations,
+            "max_wall_time": self.time_limit,
+            "mu_strategy": "adaptive",
+            "adaptive_mu_globalization": "never-monotone-mode",
+            "bound_relax_factor": 0.0,
+        }
+        if warm is not None and warm.lam_g is not None:
+            options |= {
+                "warm_start_init_point": "yes",
+                "warm_start_bound_push": 1e-6,
+                "warm_start_mult_bound_push": 1e-6,
+                "mu_init": 1e-4,
+            }
+        return options | dict(self.options)
+
+    def _report(self, nlp: Nlp, result: Mapping[str, Any], stats: Mapping[str, Any], timings: dict[str, float]) -> SolveReport:
+        x, g, lam_x, lam_g = (np.array(result[key], float).ravel() for key in ("x", "g", "lam_x", "lam_g"))
+        functions = [value for key, value in stats.items() if key.startswith("t_wall_nlp_")]
+        timings["functions"] = float(sum(functions))
+        worst, violation = nlp.worst_row(g)
+        outside = np.maximum(nlp.lbx - x, x - nlp.ubx)
+        return SolveReport(
+            status=_STATUS.get(stats["return_status"], SolveStatus.FAILED),
+            solver=self.name,
+            x=x,
+            objective=float(result["f"]),
+            g=g,
+            lam_x=lam_x,
+            lam_g=lam_g,
+            iterations=int(stats["iter_count"]),
+            violation=max(violation, float(outside.max(initial=0.0))),
+            stationarity=stationarity(nlp, x, lam_x, lam_g),
+            worst=worst.describe() if worst else "",
+            timings=timings,
+            backend_status=str(stats["return_status"]),
+        )
+
+
+def stationarity(nlp: Nlp, x: Array, lam_x: Array, lam_g: Array) -> float:
+    """Largest absolute entry of ``grad f + J^T lam_g + lam_x`` at x, relative to ``max(1, max|lam|)``."""
+    lagrangian = nlp.f + ca.dot(ca.SX(ca.DM(lam_g)), nlp.g)
+    gradient = ca.Function("gradient", [nlp.x, nlp.p], [ca.gradient(lagrangian, nlp.x)])
+    value = np.array(gradient(x, nlp.p0)).ravel() + lam_x
+    return float(np.abs(value).max() / max(1.0, np.abs(lam_g).max(initial=0.0)))
+
+
+class _Watcher(ca.Callback):  # type: ignore[misc]
+    """CasADi's iteration callback: passes progress on, remembers an interrupt."""
+
+    def __init__(self, nlp: Nlp, callback: IterationCallback) -> None:
+        super().__init__()
+        self._nlp = nlp
+        self._callback = callback
+        self._count = 0
+        self.interrupted = False
+        self.construct("watcher", {})
+
+    def get_n_in(self) -> int:
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, i: int) -> str:
+        return str(ca.nlpsol_out(i))
+
+    def get_name_out(self, i: int) -> str:
+        return "stop"
+
+    def get_sparsity_in(self, i: int) -> Any:
+        name = ca.nlpsol_out(i)
+        sizes = {
+            "f": 1,
+            "x": self._nlp.n_variables,
+            "lam_x": self._nlp.n_variables,
+            "g": self._nlp.n_rows,
+            "lam_g": self._nlp.n_rows,
+        }
+        return ca.Sparsity.dense(sizes[name], 1) if name in sizes else ca.Sparsity(0, 0)
+
+    def eval(self, arguments: Any) -> list[float]:
+        values = dict(zip(ca.nlpsol_out(), arguments, strict=True))
+        g = np.array(values["g"], float).ravel()
+        violation = float(self._nlp.violation(g).max(initial=0.0))
+        iteration = Iteration(self._count, float(values["f"]), violation)
+        self._count += 1
+        try:
+            go_on = self._callback(iteration)
+        except KeyboardInterrupt:
+            self.interrupted = True
+            go_on = False
+        return [1.0 if go_on is False else 0.0]

@@ -1,0 +1,16 @@
+"""Transcription: from scenario, vehicle, guess and formulation to a nonlinear program and back."""
+
+from tightspot.transcription.grid import TimeGrid
+from tightspot.transcription.objective import EnergyForm, Objective
+from tightspot.transcription.sampling import resample
+from tightspot.transcription.transcribe import Settings, Transcription, transcribe
+
+__all__ = [
+    "EnergyForm",
+    "Objective",
+    "Settings",
+    "TimeGrid",
+    "Transcription",
+    "resample",
+    "transcribe",
+]

@@ -1,0 +1,57 @@
+"""The time grid: knots at fixed fractions of a horizon whose length may be free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tightspot.errors import InputError, Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class TimeGrid:
+    """Knots ``t_k = t_f s_k`` with fixed fractions ``0 = s_0 < ... < s_N = 1``.
+
+    Attributes:
+        fractions: (N+1,).
+    """
+
+    fractions: Array
+
+    def __post_init__(self) -> None:
+        fractions = np.array(self.fractions, float)
+        fractions.setflags(write=False)
+        object.__setattr__(self, "fractions", fractions)
+        valid = fractions.ndim == 1 and fractions.size >= 2 and fractions[0] == 0 and fractions[-1] == 1
+        if not (valid and (np.diff(fractions) > 0).all()):
+            raise InputError(Problem("grid.fractions", "must increase from 0 to 1 with at least one interval"))
+
+    @classmethod
+    def uniform(cls, steps: int) -> TimeGrid:
+        """N equal intervals, the paper's grid."""
+        if steps < 1:
+            raise InputError(Problem("steps", f"{steps} is too few; give at least 1 interval"))
+        return cls(np.linspace(0.0, 1.0, steps + 1))
+
+    @property
+    def steps(self) -> int:
+        """Number of intervals N."""
+        return self.fractions.size - 1
+
+    @property
+    def widths(self) -> Array:
+        """Fractions ``s_{k+1} - s_k`` of the intervals, (N,)."""
+        return np.diff(self.fractions)
+
+    def split(self, intervals: ArrayLike, parts: int = 2) -> TimeGrid:
+        """A grid in which each of the named intervals is cut into ``parts`` equal ones."""
+        chosen = set(np.asarray(intervals, int).tolist())
+        fractions = [self.fractions[:1]]
+        for k in range(self.steps):
+            pieces = parts if k in chosen else 1
+            fractions.append(np.linspace(self.fractions[k], self.fractions[k + 1], pieces + 1)[1:])
+        return TimeGrid(np.concatenate(fractions))

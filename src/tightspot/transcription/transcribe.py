@@ -1,0 +1,167 @@
+"""Direct multiple shooting: the optimal control problem (2) becomes the nonlinear program (22).
+
+The only room that knows both the horizon and a formulation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.errors import InputError, Problem
+from tightspot.formulations import Formulation, SweptLine
+from tightspot.geometry.transforms import nearest_angle
+from tightspot.scenarios.scenario import Scenario
+from tightspot.solvers.nlp import Nlp
+from tightspot.trajectory import Trajectory
+from tightspot.transcription.builder import Builder
+from tightspot.transcription.grid import TimeGrid
+from tightspot.transcription.objective import Objective
+from tightspot.transcription.sampling import resample
+from tightspot.vehicles.base import VehicleModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the horizon is discretised and what is demanded of it.
+
+    Attributes:
+        objective: What is minimised.
+        formulation: How separation is written.
+        margin: Demanded clearance, m, wherever the formulation's rows hold.
+        end_margin: Demanded clearance at a fixed start or goal pose, m, where nothing can be moved; ``None``:
+            the same as ``margin``.
+        workspace_margin: Demanded distance of the body from W's boundary at free poses, m.
+        substeps: RK4 steps an interval.
+        poses: Sub-intervals whose end poses carry rows, for formulations that hold on the interval.
+        final_time: Bounds of the free final time, s, or one number to fix it.
+        heading_limit: Bound of |theta|, rad; infinite but for reproducing the paper.
+    """
+
+    objective: Objective = field(default_factory=Objective)
+    formulation: Formulation = field(default_factory=SweptLine)
+    margin: float = 0.0
+    end_margin: float | None = None
+    workspace_margin: float = 0.0
+    substeps: int = 4
+    poses: int = 2
+    final_time: float | tuple[float, float] = (0.1, 1000.0)
+    heading_limit: float = np.inf
+
+    def __post_init__(self) -> None:
+        problems = [
+            Problem(name, f"{getattr(self, name)} must be at least 1")
+            for name in ("substeps", "poses")
+            if getattr(self, name) < 1
+        ]
+        for name in ("margin", "end_margin", "workspace_margin"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value >= 0):
+                problems.append(Problem(name, f"{value} m must be finite and not negative"))
+        low, high = self.final_time_bounds
+        if not 0 < low <= high:
+            problems.append(Problem("final_time", f"[{low}, {high}] s must be positive and in order"))
+        if problems:
+            raise InputError(problems)
+
+    @property
+    def final_time_bounds(self) -> tuple[float, float]:
+        """(lowest, highest) t_f, s."""
+        if isinstance(self.final_time, tuple):
+            return self.final_time
+        return float(self.final_time), float(self.final_time)
+
+
+@dataclass(frozen=True, eq=False)
+class Transcription:
+    """An :class:`Nlp` and the way back from its variables to a trajectory.
+
+    Attributes:
+        nlp: The program, with its starting point from the guess.
+        grid: Fractions of the horizon.
+        settings: What was asked for.
+        active: Which pairs are in the program, (N, parts, obstacle parts) booleans, by interval.
+        vehicle: Whose dynamics.
+    """
+
+    nlp: Nlp
+    grid: TimeGrid
+    settings: Settings
+    active: NDArray[np.bool_]
+    vehicle: VehicleModel
+
+    def trajectory(self, x: Array) -> Trajectory:
+        """The trajectory that the variables x describe."""
+        stages = self.nlp.stages
+        final_time = float(x[self.nlp.shared][0])
+        return Trajectory(
+            final_time * self.grid.fractions,
+            np.array([x[stage.state] for stage in stages]),
+            np.array([x[stage.control] for stage in stages[:-1]]),
+            self.vehicle.state_names,
+            self.vehicle.input_names,
+        )
+
+
+def transcribe(
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    guess: Trajectory,
+    settings: Settings,
+    *,
+    grid: TimeGrid,
+    active: NDArray[np.bool_] | None = None,
+    start: Array | None = None,
+    goal: Array | None = None,
+) -> Transcription:
+    """Write the planning problem as a nonlinear program, started at the guess.
+
+    Variables, stage after stage: state xi_k, input u_k, auxiliary variables of the pairs that hold at knot k (on
+    interval [t_{k-1}, t_k]); last t_f. Rows: ``F(xi_k, u_k, h_k) - xi_{k+1} = 0`` with RK4; eq. (13) for W; the
+    formulation's rows. Start and goal are bounds on xi_0 and xi_N; the goal's heading is the one nearest the
+    guess's, modulo 2 pi.
+
+    Args:
+        scenario: Obstacles, W, start and goal, in the scenario's coordinates.
+        vehicle: Dynamics, bounds and body.
+        guess: Any timed trajectory; it is resampled onto the grid and clipped into the bounds.
+        settings: Discretisation, objective, formulation, margins.
+        grid: Knots.
+        active: Pairs to include, (N, parts, obstacle parts); all if ``None``.
+        start: Replaces the scenario's start state, (n_x,), NaN meaning free: for models with another state.
+        goal: Replaces the scenario's goal state.
+
+    Raises:
+        InputError: If an argument does not fit the others.
+
+    Reference: paper, section 6, eq. (22).
+    """
+    obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+    shape = (grid.steps, len(vehicle.parts), len(obstacles))
+    if active is None:
+        active = np.ones(shape, bool)
+    if active.shape != shape:
+        raise InputError(Problem("active", f"has shape {active.shape}, but this problem needs {shape}"))
+    if len(settings.objective.input_weights) != vehicle.n_inputs:
+        raise InputError(
+            Problem("objective.input_weights", f"needs {vehicle.n_inputs} numbers, one for each of {vehicle.input_names}")
+        )
+    onto_grid = resample(guess, grid)
+    start = np.array(scenario.start if start is None else start, float)
+    goal = np.array(scenario.goal if goal is None else goal, float)
+    goal[2] = nearest_angle(goal[2], onto_grid.states[-1, 2])
+    start[2] = nearest_angle(start[2], onto_grid.states[0, 2])
+    settings = _with_usable_margins(settings)
+    builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active)
+    nlp = builder.build(start, goal, onto_grid)
+    return Transcription(nlp, grid, settings, active, vehicle)
+
+
+def _with_usable_margins(settings: Settings) -> Settings:
+    smallest = settings.formulation.smallest_margin
+    end = settings.margin if settings.end_margin is None else settings.end_margin
+    return replace(settings, margin=max(settings.margin, smallest), end_margin=max(end, smallest))
