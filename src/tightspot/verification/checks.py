@@ -1,0 +1,103 @@
+"""The checks beside clearance: dynamics, limits, start and goal. Each is one number against one limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.verification.certificate import Check
+from tightspot.verification.replay import Replay
+
+if TYPE_CHECKING:
+    from tightspot.scenarios import Scenario
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the checks allow; the file format fixes these numbers.
+
+    Attributes:
+        defect_position: Knots may differ from the replay by this, m.
+        defect_heading: The same for headings, rad.
+        bounds: States and inputs may exceed their bounds by this, in their units.
+        start: The first state may differ from the scenario's start by this, in the states' units.
+    """
+
+    defect_position: float = 5e-3
+    defect_heading: float = 5e-3
+    bounds: float = 1e-6
+    start: float = 1e-6
+
+
+# Name of the check, the state it is about, its unit.
+_ANGLES_AND_RATES = (("heading", "theta", "rad"), ("speed", "v", "m/s"), ("steering", "delta", "rad"))
+
+
+def motion_checks(scenario: Scenario, replay: Replay, limits: Limits) -> list[Check]:
+    """All checks that need no geometry, in the certificate's order."""
+    return [
+        *_dynamics(replay, limits),
+        *_bounds(replay, limits),
+        *_start(scenario, replay, limits),
+        *_goal(scenario, replay),
+    ]
+
+
+def upper(name: str, value: float, limit: float, what: str, unit: str) -> Check:
+    """A check that passes if ``value <= limit``."""
+    passed = bool(value <= limit)
+    return Check(name, passed, float(value), float(limit), f"{what} {value:.3g} {unit} (at most {limit:.3g})")
+
+
+def _dynamics(replay: Replay, limits: Limits) -> Iterator[Check]:
+    position, heading = replay.defect
+    what = "knots differ from the replayed inputs by"
+    yield upper("dynamics position", position, limits.defect_position, what, "m")
+    yield upper("dynamics heading", heading, limits.defect_heading, what, "rad")
+
+
+def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
+    """At the knots as stored, and at every node of the replay: between knots, too."""
+    vehicle, trajectory = replay.vehicle, replay.trajectory
+    states = np.concatenate([trajectory.states, replay.node_states])
+    for name, values, names, bounds in (
+        ("state bounds", states, vehicle.state_names, vehicle.state_bounds),
+        ("input bounds", trajectory.inputs, vehicle.input_names, vehicle.input_bounds),
+    ):
+        excess = np.maximum(bounds[0] - values, values - bounds[1]).max(axis=0)
+        worst = int(excess.argmax())
+        value = max(0.0, float(excess[worst]))
+        what = f"{name} are exceeded by" if value == 0 else f"{name} are exceeded, by {names[worst]} most:"
+        yield upper(name, value, limits.bounds, what, "in the state's or input's unit")
+
+
+def _start(scenario: Scenario, replay: Replay, limits: Limits) -> Iterator[Check]:
+    for group, unit, distance in _distances(replay, replay.node_states[0], scenario.start):
+        yield upper(f"start {group}", distance, limits.start, f"start {group} differs from the scenario's by", unit)
+
+
+def _goal(scenario: Scenario, replay: Replay) -> Iterator[Check]:
+    for group, unit, distance in _distances(replay, replay.node_states[-1], scenario.goal):
+        limit = float(getattr(scenario.tolerance, group))
+        yield upper(f"goal {group}", distance, limit, f"goal {group} is missed by", unit)
+
+
+def _distances(replay: Replay, state: Array, wanted: Array) -> Iterator[tuple[str, str, float]]:
+    """(group, unit, distance) of the wanted state's entries that are not free (NaN)."""
+    difference = state[:2] - wanted[:2]
+    if not np.isnan(difference).all():
+        yield "position", "m", float(np.hypot(*np.nan_to_num(difference)))
+    for group, name, unit in _ANGLES_AND_RATES:
+        if name not in replay.vehicle.state_names:
+            continue
+        column = replay.vehicle.state_names.index(name)
+        gap = float(state[column] - wanted[column])
+        if np.isnan(gap):
+            continue
+        yield group, unit, abs(gap - 2 * np.pi * round(gap / (2 * np.pi))) if name == "theta" else abs(gap)
