@@ -1,0 +1,211 @@
+// tightspot._core: plain arrays in, plain arrays out. The GIL is released while the core works.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tightspot/collision.hpp"
+#include "tightspot/hybrid_astar.hpp"
+#include "tightspot/path.hpp"
+#include "tightspot/reeds_shepp.hpp"
+#include "tightspot/shortcut.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace tightspot;
+
+namespace {
+
+using Rows2 = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Rows3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Vector3 = nb::ndarray<const double, nb::shape<3>, nb::c_contig, nb::device::cpu>;
+using Table = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
+using Column = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+
+double* hand_over(std::vector<double> values, nb::capsule& owner) {
+    auto kept = std::make_unique<std::vector<double>>(std::move(values));
+    double* data = kept->data();
+    owner = nb::capsule(kept.release(), [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+    return data;
+}
+
+Table table(std::vector<double> values, std::size_t columns) {
+    nb::capsule owner;
+    const std::size_t rows = values.size() / columns;
+    double* data = hand_over(std::move(values), owner);
+    return Table(data, {rows, columns}, owner);
+}
+
+Column column(std::vector<double> values) {
+    nb::capsule owner;
+    const std::size_t size = values.size();
+    double* data = hand_over(std::move(values), owner);
+    return Column(data, {size}, owner);
+}
+
+Pose to_pose(const Vector3& pose) { return {pose(0), pose(1), pose(2)}; }
+
+Polygon to_polygon(const Rows2& vertices) {
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < vertices.shape(0); ++i) points.push_back({vertices(i, 0), vertices(i, 1)});
+    return Polygon(points);
+}
+
+std::vector<Polygon> to_polygons(const std::vector<Rows2>& all) {
+    std::vector<Polygon> polygons;
+    for (const Rows2& vertices : all) polygons.push_back(to_polygon(vertices));
+    return polygons;
+}
+
+std::vector<Arc> to_arcs(const Rows2& rows) {
+    std::vector<Arc> arcs;
+    for (std::size_t i = 0; i < rows.shape(0); ++i) arcs.push_back({rows(i, 0), rows(i, 1)});
+    return arcs;
+}
+
+Table from_arcs(const std::vector<Arc>& arcs) {
+    std::vector<double> values;
+    for (const Arc& arc : arcs) values.insert(values.end(), {arc.length, arc.curvature});
+    return table(std::move(values), 2);
+}
+
+Table from_poses(const std::vector<Pose>& poses) {
+    std::vector<double> values;
+    for (const Pose& pose : poses) values.insert(values.end(), {pose.x, pose.y, pose.theta});
+    return table(std::move(values), 3);
+}
+
+std::pair<std::string, Column> from_word(const Word& word, double radius) {
+    std::string kinds;
+    std::vector<double> lengths;
+    for (int i = 0; i < word.size; ++i) {
+        kinds += word.turns[i] == Turn::left ? 'L' : word.turns[i] == Turn::right ? 'R' : 'S';
+        lengths.push_back(word.lengths[i] * radius);
+    }
+    return {kinds, column(std::move(lengths))};
+}
+
+const char* name(Outcome outcome) {
+    switch (outcome) {
+        case Outcome::found: return "found";
+        case Outcome::exhausted: return "exhausted";
+        case Outcome::expansion_limit: return "expansion_limit";
+        case Outcome::time_limit: return "time_limit";
+        case Outcome::start_blocked: return "start_blocked";
+        case Outcome::goal_blocked: return "goal_blocked";
+        case Outcome::interrupted: break;
+    }
+    return "interrupted";
+}
+
+nb::dict search(const CollisionChecker& checker, const Vector3& start, const Vector3& goal, const SearchOptions& options,
+                bool shortcuts) {
+    const Pose from = to_pose(start), to = to_pose(goal);
+    SearchResult result;
+    {
+        nb::gil_scoped_release release;
+        HybridAStar searcher(checker, options);
+        result = searcher.run(from, to, [] {
+            nb::gil_scoped_acquire acquire;
+            return PyErr_CheckSignals() != 0;
+        });
+        if (shortcuts && result.outcome == Outcome::found) {
+            result.arcs = Shortcutter(checker, options.cost).improve(from, std::move(result.arcs));
+            result.cost = options.cost.path(result.arcs);
+        }
+    }
+    if (result.outcome == Outcome::interrupted) throw nb::python_error();
+    nb::dict answer;
+    answer["outcome"] = name(result.outcome);
+    answer["arcs"] = from_arcs(result.arcs);
+    answer["cost"] = result.cost;
+    answer["expansions"] = result.expansions;
+    answer["nodes"] = result.nodes;
+    answer["pose_checks"] = result.pose_checks;
+    answer["pair_tests"] = result.pair_tests;
+    answer["seconds"] = result.seconds;
+    answer["blocking"] = result.contact.obstacle;
+    answer["clearance"] = result.contact.clearance;
+    answer["closed"] = from_poses(result.closed);
+    return answer;
+}
+
+void bind_reeds_shepp(nb::module_& m) {
+    m.def("reeds_shepp_shortest", [](const Vector3& start, const Vector3& goal, double radius) {
+        return from_word(reeds_shepp::shortest(to_pose(start), to_pose(goal), radius), radius);
+    }, "start"_a, "goal"_a, "radius"_a);
+    m.def("reeds_shepp_all", [](const Vector3& start, const Vector3& goal, double radius) {
+        std::vector<std::pair<std::string, Column>> words;
+        for (const Word& word : reeds_shepp::all(to_pose(start), to_pose(goal), radius)) words.push_back(from_word(word, radius));
+        return words;
+    }, "start"_a, "goal"_a, "radius"_a);
+    m.def("sample_arcs", [](const Vector3& start, const Rows2& arcs, double spacing) {
+        std::vector<double> values;
+        for (const Sample& s : sample(to_pose(start), to_arcs(arcs), spacing))
+            values.insert(values.end(), {s.pose.x, s.pose.y, s.pose.theta, s.curvature, static_cast<double>(s.gear)});
+        return table(std::move(values), 5);
+    }, "start"_a, "arcs"_a, "spacing"_a);
+}
+
+void bind_checker(nb::module_& m) {
+    nb::class_<CollisionChecker>(m, "CollisionChecker")
+        .def("__init__", [](CollisionChecker* self, const std::vector<Rows2>& parts, const Rows2& workspace,
+                            const std::vector<Rows2>& obstacles, double margin) {
+            new (self) CollisionChecker(Footprint(to_polygons(parts)), to_polygon(workspace), to_polygons(obstacles), margin);
+        }, "parts"_a, "workspace"_a, "obstacles"_a, "margin"_a)
+        .def("slack", [](const CollisionChecker& self, const Rows3& poses) {
+            std::vector<double> slacks;
+            for (std::size_t i = 0; i < poses.shape(0); ++i) slacks.push_back(self.slack({poses(i, 0), poses(i, 1), poses(i, 2)}));
+            return column(std::move(slacks));
+        }, "poses"_a)
+        .def("contact", [](const CollisionChecker& self, const Vector3& pose) {
+            const Contact contact = self.contact(to_pose(pose));
+            return std::pair<int, double>(contact.obstacle, contact.clearance);
+        }, "pose"_a)
+        .def_prop_ro("narrowest", [](const CollisionChecker& self) { return self.footprint().narrowest; })
+        .def_prop_ro("pose_checks", &CollisionChecker::pose_checks)
+        .def_prop_ro("pair_tests", &CollisionChecker::pair_tests);
+}
+
+void bind_search(nb::module_& m) {
+    nb::class_<MotionCost>(m, "MotionCost")
+        .def(nb::init<>())
+        .def_rw("gear_change", &MotionCost::gear_change)
+        .def_rw("reverse", &MotionCost::reverse)
+        .def_rw("steering", &MotionCost::steering)
+        .def_rw("steering_change", &MotionCost::steering_change)
+        .def_rw("full_curvature", &MotionCost::full_curvature);
+    nb::class_<SearchOptions>(m, "SearchOptions")
+        .def(nb::init<>())
+        .def_rw("cell", &SearchOptions::cell)
+        .def_rw("heading_bins", &SearchOptions::heading_bins)
+        .def_rw("step", &SearchOptions::step)
+        .def_rw("steering_levels", &SearchOptions::steering_levels)
+        .def_rw("full_curvature", &SearchOptions::full_curvature)
+        .def_rw("cost", &SearchOptions::cost)
+        .def_rw("heuristic_weight", &SearchOptions::heuristic_weight)
+        .def_rw("backward", &SearchOptions::backward)
+        .def_rw("max_words", &SearchOptions::max_words)
+        .def_rw("improve", &SearchOptions::improve)
+        .def_rw("max_expansions", &SearchOptions::max_expansions)
+        .def_rw("time_limit", &SearchOptions::time_limit)
+        .def_rw("keep_closed", &SearchOptions::keep_closed);
+    m.def("search", &search, "checker"_a, "start"_a, "goal"_a, "options"_a, "shortcuts"_a = true);
+}
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+    m.doc() = "The compiled core of tightspot: Reeds-Shepp curves, exact collision checks and hybrid A*.";
+    bind_reeds_shepp(m);
+    bind_checker(m);
+    bind_search(m);
+}

@@ -1,0 +1,156 @@
+// Does the body at a pose, or along an arc, keep its clearance? Exact for polygons, whatever their shape.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "tightspot/footprint.hpp"
+#include "tightspot/obstacle_map.hpp"
+
+namespace tightspot {
+
+/// What a pose's body touches.
+struct Contact {
+    static constexpr int nothing = -2;
+    static constexpr int workspace = -1;
+    int obstacle = nothing;  ///< index, or one of the two above
+    double clearance = 0.0;  ///< signed distance, m
+};
+
+class CollisionChecker {
+public:
+    /// `margin`: demanded clearance to obstacles in m; the body may touch the workspace's border.
+    CollisionChecker(Footprint footprint, Polygon workspace, std::vector<Polygon> obstacles, double margin)
+        : footprint_(std::move(footprint)),
+          workspace_(std::move(workspace)),
+          margin_(margin),
+          map_(std::move(obstacles), workspace_, footprint_.radius + margin + horizon, std::max(0.3, 0.25 * footprint_.radius)),
+          placed_(footprint_.parts) {}
+
+    /// How much further the body may move at `pose` before anything comes closer than the margin (a lower bound,
+    /// at most `horizon`); not positive if something is that close already.
+    double slack(const Pose& pose) const {
+        ++pose_checks_;
+        const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+        const Point middle{pose.x + c * footprint_.centre.x - s * footprint_.centre.y,
+                           pose.y + s * footprint_.centre.x + c * footprint_.centre.y};
+        bool is_placed = false;
+        const auto place_once = [&] {
+            if (is_placed) return;
+            is_placed = true;
+            for (std::size_t i = 0; i < placed_.size(); ++i) place(footprint_.parts[i], pose, c, s, placed_[i]);
+        };
+        double best = horizon;
+        for (std::size_t w = 0; w < workspace_.size(); ++w) {
+            if (workspace_.offsets[w] - dot(workspace_.normals[w], middle) - footprint_.radius >= best) continue;
+            place_once();
+            best = std::min(best, wall_clearance(w) + border_tolerance);
+            if (best <= 0.0) return best;
+        }
+        for (const int j : map_.near(middle)) {
+            const Polygon& obstacle = map_[j];
+            if (circle_bound(obstacle, middle) - margin_ >= best) continue;
+            ++pair_tests_;
+            place_once();
+            for (const Polygon& part : placed_) best = std::min(best, clearance_up_to(part, obstacle, best + margin_) - margin_);
+            if (best <= 0.0) return best;
+        }
+        return best;
+    }
+
+    bool is_free(const Pose& pose) const { return slack(pose) > 0.0; }
+
+    /// Whether the body keeps its clearance on the whole arc, to within `sweep_tolerance`. Every two neighbouring
+    /// samples' slacks cover the motion between them, so nothing is missed in between.
+    /// `slack_at_start`: known slack at `from`; `slack_at_end` receives the one at the arc's end.
+    bool arc_is_free(const Pose& from, Arc arc, double slack_at_start, double& slack_at_end) const {
+        const double length = std::abs(arc.length);
+        const double sign = arc.length < 0.0 ? -1.0 : 1.0;
+        const double rate = footprint_.sweep_rate(arc.curvature);
+        double done = 0.0, here = slack_at_start;
+        while (done < length) {
+            const double sure = (std::max(here, 0.0) + 2.0 * sweep_tolerance) / rate;
+            double step = std::max(sure, usual_step);
+            double there = 0.0;
+            for (;;) {
+                step = std::min(step, length - done);
+                there = slack(advance(from, {sign * (done + step), arc.curvature}));
+                if (there <= 0.0) return false;
+                if (step <= sure || step * rate <= here + there + 2.0 * sweep_tolerance) break;
+                step = std::max(sure, 0.5 * step);
+            }
+            done = step >= length - done ? length : done + step;
+            here = there;
+        }
+        slack_at_end = here;
+        return true;
+    }
+
+    /// What is closest to the body at `pose`, or what it overlaps most; every obstacle is looked at.
+    Contact contact(const Pose& pose) const {
+        const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+        for (std::size_t i = 0; i < placed_.size(); ++i) place(footprint_.parts[i], pose, c, s, placed_[i]);
+        Contact nearest{Contact::nothing, HUGE_VAL};
+        for (std::size_t w = 0; w < workspace_.size(); ++w) {
+            const double clearance = wall_clearance(w);
+            if (clearance < nearest.clearance && clearance < -border_tolerance) nearest = {Contact::workspace, clearance};
+        }
+        if (nearest.obstacle == Contact::workspace) return nearest;
+        for (std::size_t j = 0; j < map_.obstacles().size(); ++j) {
+            for (const Polygon& part : placed_) {
+                const double clearance = signed_distance(part, map_.obstacles()[j]);
+                if (clearance < nearest.clearance) nearest = {static_cast<int>(j), clearance};
+            }
+        }
+        return nearest;
+    }
+
+    const Footprint& footprint() const { return footprint_; }
+    const Polygon& workspace() const { return workspace_; }
+    const std::vector<Polygon>& obstacles() const { return map_.obstacles(); }
+    double margin() const { return margin_; }
+    std::int64_t pose_checks() const { return pose_checks_; }
+    std::int64_t pair_tests() const { return pair_tests_; }
+
+    /// Slack is not looked at beyond this, m.
+    static constexpr double horizon = 1.5;
+    /// How far below the margin the clearance may fall between samples, m.
+    static constexpr double sweep_tolerance = 0.002;
+
+private:
+    static constexpr double usual_step = 0.1;
+    static constexpr double border_tolerance = 1e-9;
+
+    double wall_clearance(std::size_t wall) const {
+        double outermost = -HUGE_VAL;
+        for (const Polygon& part : placed_)
+            for (const Point& v : part.vertices) outermost = std::max(outermost, dot(workspace_.normals[wall], v));
+        return workspace_.offsets[wall] - outermost;
+    }
+
+    double circle_bound(const Polygon& obstacle, Point middle) const {
+        double farthest = -HUGE_VAL;
+        for (std::size_t i = 0; i < obstacle.size(); ++i)
+            farthest = std::max(farthest, dot(obstacle.normals[i], middle) - obstacle.offsets[i]);
+        return farthest - footprint_.radius;
+    }
+
+    /// A lower bound of the signed distance that is above the margin whenever the distance is.
+    double clearance_up_to(const Polygon& part, const Polygon& obstacle, double enough) const {
+        const double axis = axis_separation(part, obstacle, enough);
+        return axis > 0.0 && axis <= margin_ ? disjoint_distance(part, obstacle) : axis;
+    }
+
+    Footprint footprint_;
+    Polygon workspace_;
+    double margin_;
+    ObstacleMap map_;
+    mutable std::vector<Polygon> placed_;
+    mutable std::int64_t pose_checks_ = 0;
+    mutable std::int64_t pair_tests_ = 0;
+};
+
+}  // namespace tightspot

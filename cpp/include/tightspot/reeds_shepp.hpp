@@ -1,0 +1,275 @@
+// Reeds-Shepp curves: the shortest paths of a car that drives forwards and backwards with a smallest turning radius.
+//
+// J. A. Reeds, L. A. Shepp: Optimal paths for a car that goes both forwards and backwards, Pacific Journal of
+// Mathematics 145(2), 1990. The numbers (8.x) below are that paper's equations.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "tightspot/pose.hpp"
+
+namespace tightspot {
+
+enum class Turn : signed char { right = -1, straight = 0, left = 1 };
+
+/// Up to five segments; lengths are in units of the turning radius, negative when driven in reverse.
+struct Word {
+    int size = 0;
+    std::array<Turn, 5> turns{};
+    std::array<double, 5> lengths{};
+
+    double length() const {
+        double sum = 0.0;
+        for (int i = 0; i < size; ++i) sum += std::abs(lengths[i]);
+        return sum;
+    }
+
+    Arc arc(int i, double radius) const { return {lengths[i] * radius, static_cast<double>(turns[i]) / radius}; }
+};
+
+namespace reeds_shepp {
+
+/// Segments shorter than this (in turning radii) are rounding, not motion.
+constexpr double negligible = 1e-9;
+
+namespace detail {
+
+constexpr double slack = 1e-10;
+
+inline bool nonnegative(double value) { return value >= -slack; }
+inline bool nonpositive(double value) { return value <= slack; }
+
+/// The goal pose in the start's frame, in turning radii, with the trigonometry that all equations share.
+struct Goal {
+    double x, y, phi, sin_phi, cos_phi;
+
+    Goal time_flipped() const { return {-x, y, -phi, -sin_phi, cos_phi}; }
+    Goal reflected() const { return {x, -y, -phi, -sin_phi, cos_phi}; }
+    /// The goal of the path driven in the opposite order.
+    Goal backwards() const { return {x * cos_phi + y * sin_phi, x * sin_phi - y * cos_phi, phi, sin_phi, cos_phi}; }
+};
+
+/// The unknown lengths of one equation.
+struct Lengths {
+    double t, u, v;
+};
+
+struct Polar {
+    double radius, angle;
+};
+
+inline Polar polar(double x, double y) { return {std::sqrt(x * x + y * y), std::atan2(y, x)}; }
+
+using Equation = bool (*)(const Goal&, Lengths&);
+
+/// (8.1) L+ S+ L+
+inline bool lsl(const Goal& goal, Lengths& out) {
+    const Polar p = polar(goal.x - goal.sin_phi, goal.y - 1.0 + goal.cos_phi);
+    out = {p.angle, p.radius, wrap_angle(goal.phi - p.angle)};
+    return nonnegative(out.t) && nonnegative(out.v);
+}
+
+/// (8.2) L+ S+ R+
+inline bool lsr(const Goal& goal, Lengths& out) {
+    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
+    const double square = xi * xi + eta * eta;
+    if (square < 4.0) return false;
+    const double u = std::sqrt(square - 4.0);
+    const double t = wrap_angle(std::atan2(eta, xi) + std::atan2(2.0, u));
+    out = {t, u, wrap_angle(t - goal.phi)};
+    return nonnegative(out.t) && nonnegative(out.v);
+}
+
+/// (8.3), (8.4) L+ R- L, the last either way
+inline bool lrl(const Goal& goal, Lengths& out) {
+    const Polar p = polar(goal.x - goal.sin_phi, goal.y - 1.0 + goal.cos_phi);
+    if (p.radius > 4.0) return false;
+    const double u = -2.0 * std::asin(0.25 * p.radius);
+    const double t = wrap_angle(p.angle + 0.5 * u + pi);
+    out = {t, u, wrap_angle(goal.phi - t + u)};
+    return nonnegative(out.t) && nonpositive(out.u);
+}
+
+/// The outer angles of the four-arc words.
+inline void outer_angles(double u, double v, double xi, double eta, double phi, double& tau, double& omega) {
+    const double delta = wrap_angle(u - v);
+    const double a = std::sin(u) - std::sin(delta), b = std::cos(u) - std::cos(delta) - 1.0;
+    const double angle = std::atan2(eta * a - xi * b, xi * a + eta * b);
+    const double sign = 2.0 * (std::cos(delta) - std::cos(v) - std::cos(u)) + 3.0;
+    tau = wrap_angle(sign < 0.0 ? angle + pi : angle);
+    omega = wrap_angle(tau - u + v - phi);
+}
+
+/// (8.7) L+ R+u L-u R-
+inline bool lrlr_mirrored(const Goal& goal, Lengths& out) {
+    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
+    const double rho = 0.25 * (2.0 + std::sqrt(xi * xi + eta * eta));
+    if (rho > 1.0) return false;
+    out.u = std::acos(rho);
+    outer_angles(out.u, -out.u, xi, eta, goal.phi, out.t, out.v);
+    return nonnegative(out.t) && nonpositive(out.v);
+}
+
+/// (8.8) L+ R-u L-u R+
+inline bool lrlr_repeated(const Goal& goal, Lengths& out) {
+    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
+    const double rho = (20.0 - xi * xi - eta * eta) / 16.0;
+    if (rho < 0.0 || rho > 1.0) return false;
+    out.u = -std::acos(rho);
+    outer_angles(out.u, out.u, xi, eta, goal.phi, out.t, out.v);
+    return nonnegative(out.t) && nonnegative(out.v);
+}
+
+/// (8.9) L+ R-(pi/2) S- L-
+inline bool lrsl(const Goal& goal, Lengths& out) {
+    const Polar p = polar(goal.x - goal.sin_phi, goal.y - 1.0 + goal.cos_phi);
+    if (p.radius < 2.0) return false;
+    const double r = std::sqrt(p.radius * p.radius - 4.0);
+    const double t = wrap_angle(p.angle + std::atan2(r, -2.0));
+    out = {t, 2.0 - r, wrap_angle(goal.phi - 0.5 * pi - t)};
+    return nonnegative(out.t) && nonpositive(out.u) && nonpositive(out.v);
+}
+
+/// (8.10) L+ R-(pi/2) S- R-
+inline bool lrsr(const Goal& goal, Lengths& out) {
+    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
+    const Polar p = polar(-eta, xi);
+    if (p.radius < 2.0) return false;
+    out = {p.angle, 2.0 - p.radius, wrap_angle(p.angle + 0.5 * pi - goal.phi)};
+    return nonnegative(out.t) && nonpositive(out.u) && nonpositive(out.v);
+}
+
+/// (8.11) L+ R-(pi/2) S- L-(pi/2) R+
+inline bool lrslr(const Goal& goal, Lengths& out) {
+    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
+    const double square = xi * xi + eta * eta;
+    if (square < 4.0) return false;
+    const double u = 4.0 - std::sqrt(square - 4.0);
+    if (!nonpositive(u)) return false;
+    const double t = wrap_angle(std::atan2((4.0 - u) * xi - 2.0 * eta, -2.0 * xi + (u - 4.0) * eta));
+    out = {t, u, wrap_angle(t - goal.phi)};
+    return nonnegative(out.t) && nonnegative(out.v);
+}
+
+/// Where a segment's length comes from.
+enum class Term : unsigned char { t, u, v, minus_u, minus_quarter };
+
+inline double value(Term term, const Lengths& lengths) {
+    switch (term) {
+        case Term::t: return lengths.t;
+        case Term::u: return lengths.u;
+        case Term::v: return lengths.v;
+        case Term::minus_u: return -lengths.u;
+        case Term::minus_quarter: break;
+    }
+    return -0.5 * pi;
+}
+
+/// One equation, its segments, and whether the opposite order is a word of its own.
+struct Family {
+    Equation equation;
+    int size;
+    std::array<Turn, 5> turns;
+    std::array<Term, 5> terms;
+    bool has_opposite_order;
+};
+
+constexpr Turn L = Turn::left, S = Turn::straight, R = Turn::right;
+
+/// With the four symmetries and both orders these are the 48 words (eq. 8.3 and 8.4 share one line).
+inline constexpr std::array<Family, 8> families{{
+    {lsl, 3, {L, S, L}, {Term::t, Term::u, Term::v}, false},
+    {lsr, 3, {L, S, R}, {Term::t, Term::u, Term::v}, false},
+    {lrl, 3, {L, R, L}, {Term::t, Term::u, Term::v}, true},
+    {lrlr_mirrored, 4, {L, R, L, R}, {Term::t, Term::u, Term::minus_u, Term::v}, false},
+    {lrlr_repeated, 4, {L, R, L, R}, {Term::t, Term::u, Term::u, Term::v}, false},
+    {lrsl, 4, {L, R, S, L}, {Term::t, Term::minus_quarter, Term::u, Term::v}, true},
+    {lrsr, 4, {L, R, S, R}, {Term::t, Term::minus_quarter, Term::u, Term::v}, true},
+    {lrslr, 5, {L, R, S, L, R}, {Term::t, Term::minus_quarter, Term::u, Term::minus_quarter, Term::v}, false},
+}};
+
+inline Word assemble(const Family& family, const Lengths& lengths, bool flipped, bool reflected, bool opposite) {
+    Word word;
+    word.size = family.size;
+    for (int i = 0; i < family.size; ++i) {
+        const int source = opposite ? family.size - 1 - i : i;
+        const double length = value(family.terms[source], lengths);
+        word.lengths[i] = flipped ? -length : length;
+        const auto turn = static_cast<signed char>(family.turns[source]);
+        word.turns[i] = static_cast<Turn>(reflected ? -turn : turn);
+    }
+    return word;
+}
+
+}  // namespace detail
+
+/// Calls `visit(const Word&)` with every word that leads from the origin to `goal` (m, rad).
+template <class Visit>
+void for_each_word(const Pose& goal, double radius, Visit&& visit) {
+    const double phi = wrap_angle(goal.theta);
+    const detail::Goal ahead{goal.x / radius, goal.y / radius, phi, std::sin(phi), std::cos(phi)};
+    const detail::Goal behind = ahead.backwards();
+    detail::Lengths lengths{};
+    for (const detail::Family& family : detail::families) {
+        for (int opposite = 0; opposite <= (family.has_opposite_order ? 1 : 0); ++opposite) {
+            for (int symmetry = 0; symmetry < 4; ++symmetry) {
+                const bool flipped = (symmetry & 1) != 0, reflected = (symmetry & 2) != 0;
+                detail::Goal target = opposite ? behind : ahead;
+                if (flipped) target = target.time_flipped();
+                if (reflected) target = target.reflected();
+                if (family.equation(target, lengths)) visit(detail::assemble(family, lengths, flipped, reflected, opposite != 0));
+            }
+        }
+    }
+}
+
+/// The word without segments that are only rounding.
+inline Word without_negligible(const Word& word) {
+    Word kept;
+    for (int i = 0; i < word.size; ++i) {
+        if (std::abs(word.lengths[i]) <= negligible) continue;
+        kept.turns[kept.size] = word.turns[i];
+        kept.lengths[kept.size++] = word.lengths[i];
+    }
+    return kept;
+}
+
+/// The shortest word from `start` to `goal`.
+inline Word shortest(const Pose& start, const Pose& goal, double radius) {
+    Word best;
+    double best_length = HUGE_VAL;
+    for_each_word(relative(start, goal), radius, [&](const Word& word) {
+        const double length = word.length();
+        if (length < best_length) {
+            best_length = length;
+            best = word;
+        }
+    });
+    return without_negligible(best);
+}
+
+inline bool same_word(const Word& a, const Word& b) {
+    if (a.size != b.size || a.turns != b.turns) return false;
+    for (int i = 0; i < a.size; ++i)
+        if (std::abs(a.lengths[i] - b.lengths[i]) > 1e-7) return false;
+    return true;
+}
+
+/// All words from `start` to `goal`, shortest first, each once.
+inline std::vector<Word> all(const Pose& start, const Pose& goal, double radius) {
+    std::vector<Word> words;
+    for_each_word(relative(start, goal), radius, [&](const Word& word) { words.push_back(without_negligible(word)); });
+    std::stable_sort(words.begin(), words.end(), [](const Word& a, const Word& b) { return a.length() < b.length(); });
+    std::vector<Word> distinct;
+    for (const Word& word : words) {
+        const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Word& w) { return same_word(w, word); });
+        if (!known) distinct.push_back(word);
+    }
+    return distinct;
+}
+
+}  // namespace reeds_shepp
+}  // namespace tightspot

@@ -1,0 +1,64 @@
+"""Types of the compiled core; see cpp/bindings/module.cpp."""
+
+from collections.abc import Sequence
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+class SearchAnswer(TypedDict):
+    outcome: str
+    arcs: Array
+    cost: float
+    expansions: int
+    nodes: int
+    pose_checks: int
+    pair_tests: int
+    seconds: float
+    blocking: int
+    clearance: float
+    closed: Array
+
+class CollisionChecker:
+    def __init__(
+        self, parts: Sequence[Array], workspace: Array, obstacles: Sequence[Array], margin: float
+    ) -> None: ...
+    def slack(self, poses: Array) -> Array: ...
+    def contact(self, pose: Array) -> tuple[int, float]: ...
+    @property
+    def narrowest(self) -> float: ...
+    @property
+    def pose_checks(self) -> int: ...
+    @property
+    def pair_tests(self) -> int: ...
+
+class MotionCost:
+    gear_change: float
+    reverse: float
+    steering: float
+    steering_change: float
+    full_curvature: float
+
+class SearchOptions:
+    cell: float
+    heading_bins: int
+    step: float
+    steering_levels: int
+    full_curvature: float
+    cost: MotionCost
+    heuristic_weight: float
+    backward: bool
+    max_words: int
+    improve: float
+    max_expansions: int
+    time_limit: float
+    keep_closed: bool
+
+def reeds_shepp_shortest(start: Array, goal: Array, radius: float) -> tuple[str, Array]: ...
+def reeds_shepp_all(start: Array, goal: Array, radius: float) -> list[tuple[str, Array]]: ...
+def sample_arcs(start: Array, arcs: Array, spacing: float) -> Array: ...
+def search(
+    checker: CollisionChecker, start: Array, goal: Array, options: SearchOptions, shortcuts: bool = True
+) -> SearchAnswer: ...

@@ -1,0 +1,26 @@
+"""Paths without times: Reeds-Shepp curves and hybrid A* over the compiled core."""
+
+from tightspot.search.hybrid_astar import Car, search
+from tightspot.search.options import COARSE, FINE, MEDIUM, Direction, HybridAStarOptions, Resolution
+from tightspot.search.path import Path
+from tightspot.search.reeds_shepp import ReedsSheppPath, Segment, all_paths, shortest_path
+from tightspot.search.result import Attempt, SearchResult, SearchStatus
+
+__all__ = [
+    "COARSE",
+    "FINE",
+    "MEDIUM",
+    "Attempt",
+    "Car",
+    "Direction",
+    "HybridAStarOptions",
+    "Path",
+    "ReedsSheppPath",
+    "Resolution",
+    "SearchResult",
+    "SearchStatus",
+    "Segment",
+    "all_paths",
+    "search",
+    "shortest_path",
+]
