@@ -1,4 +1,4 @@
-"""Decomposition of polygons that are not convex, with or without holes, into few convex parts."""
+"""Decomposition of polygons into few convex parts, with or without holes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from tightspot.errors import GeometryError, Problem
 from tightspot.geometry.diagonals import Outline, few_diagonals
 from tightspot.geometry.polygon import ConvexPolygon
-from tightspot.geometry.rings import Ring, clean_ring
+from tightspot.geometry.rings import Ring, clean_ring, tolerance
 
 Array = NDArray[np.float64]
 
@@ -22,19 +22,19 @@ def decompose(
 ) -> tuple[ConvexPolygon, ...]:
     """Convex parts whose union is the polygon and whose interiors are disjoint.
 
-    No vertex is invented: the parts' corners are the polygon's, so the cover is exact. A convex polygon comes back as
-    one part. The number of parts is the smallest found by a bounded search (see
+    No vertex is invented: the parts' corners are the polygon's, so the cover is exact. A convex polygon comes
+    back as one part. The number of parts is the smallest found by a bounded search (see
     :mod:`tightspot.geometry.diagonals`), at most ``2 r + 1`` for r reflex vertices.
 
     Args:
         exterior: Shape (n, 2), m. Any winding, open or closed, repeated and collinear vertices are dropped.
         holes: The same for each hole. Holes may touch each other or the exterior in single points.
-        name: What the polygon is called in messages, for example ``obstacles[2].vertices``. Paths in the messages
-            are ``name[i]`` and ``name.holes[j][i]``; without a name ``[i]`` and ``holes[j][i]``.
+        name: What the polygon is called in messages, for example ``obstacles[2].vertices``. Paths in the
+            messages are ``name[i]`` and ``name.holes[j][i]``; without a name ``[i]`` and ``holes[j][i]``.
 
     Raises:
-        GeometryError: Not finite, fewer than three distinct vertices or zero area, a boundary that crosses or touches
-            itself, a hole that reaches outside, holes that overlap or cut the polygon into pieces.
+        GeometryError: Not finite, fewer than three distinct vertices or zero area, a boundary that crosses or
+            touches itself, a hole that reaches outside, holes that overlap or cut the polygon into pieces.
 
     >>> len(decompose([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]))
     2
@@ -42,15 +42,15 @@ def decompose(
     hole_names = [f"{name}.holes[{j}]".lstrip(".") for j in range(len(holes))]
     shell, inner = _clean_rings(exterior, holes, name, hole_names)
     _check(shell, inner, name, hole_names)
-    outline = _outline([shell.vertices, *(ring.vertices[::-1] for ring in inner)])
-    diagonals = few_diagonals(outline)
-    if not len(diagonals) and not inner:
-        return (ConvexPolygon.from_vertices(shell.vertices),)
-    parts = tuple(ConvexPolygon.from_vertices(face) for face in _faces(outline, diagonals))
-    area, covered = outline.polygon.area, sum(part.area for part in parts)
-    if abs(covered - area) > 1e-9 * area:
+    rings = [shell.vertices, *(ring.vertices[::-1] for ring in inner)]
+    parts = _parts(_outline(rings))
+    if not parts:
         raise GeometryError(
-            Problem(name, f"the convex parts cover {covered:g} m^2 of {area:g} m^2; simplify the polygon")
+            Problem(
+                name,
+                "parts of the boundary are apart by no more than rounding; "
+                "let them touch in a vertex or move them apart",
+            )
         )
     return parts
 
@@ -115,17 +115,18 @@ def _where(polygon: shapely.Polygon) -> str:
 
 
 def _outline(rings: list[Array]) -> Outline:
-    rings = [_with_touching_points(i, rings) for i in range(len(rings))]
-    points, inverse = np.unique(np.concatenate(rings), axis=0, return_inverse=True)
-    splits = np.cumsum([len(ring) for ring in rings])[:-1]
-    return Outline(points, np.split(inverse.reshape(-1), splits), shapely.Polygon(rings[0], rings[1:]))
+    """The rings joined where they touch: there they get a common point."""
+    joined = [_with_touching_points(i, rings) for i in range(len(rings))]
+    points, inverse = np.unique(np.concatenate(joined), axis=0, return_inverse=True)
+    splits = np.cumsum([len(ring) for ring in joined])[:-1]
+    return Outline(points, np.split(inverse.reshape(-1), splits), shapely.Polygon(joined[0], joined[1:]))
 
 
 def _with_touching_points(i: int, rings: list[Array]) -> Array:
-    """Ring i with the vertices of other rings that lie on its edges inserted, so that rings meet in vertices only."""
-    others = np.concatenate([np.empty((0, 2)), *(ring for j, ring in enumerate(rings) if j != i)])
-    if not len(others):
+    """Ring i with the vertices of other rings that lie on its edges inserted: rings then meet in vertices."""
+    if len(rings) == 1:
         return rings[i]
+    others = np.concatenate([ring for j, ring in enumerate(rings) if j != i])
     following = np.roll(rings[i], -1, axis=0)
     edges = shapely.linestrings(np.stack([rings[i], following], axis=1))
     edge, touching = shapely.STRtree(shapely.points(others)).query(edges, predicate="intersects")
@@ -133,17 +134,30 @@ def _with_touching_points(i: int, rings: list[Array]) -> Array:
     for k, start in enumerate(rings[i]):
         inserted = np.unique(others[touching[edge == k]], axis=0)
         inserted = inserted[(inserted != start).any(axis=1) & (inserted != following[k]).any(axis=1)]
-        order = np.argsort(np.hypot(*(inserted - start).T))
-        pieces += [start[None], inserted[order]]
+        pieces += [start[None], inserted[np.argsort(np.hypot(*(inserted - start).T))]]
     return np.concatenate(pieces)
 
 
+def _parts(outline: Outline) -> tuple[ConvexPolygon, ...]:
+    """The convex parts in a reproducible order, none if rounding keeps them from covering the outline."""
+    diagonals = few_diagonals(outline)
+    if diagonals is None:
+        return ()
+    faces = _faces(outline, diagonals) if len(diagonals) else [outline.points[outline.rings[0]]]
+    try:
+        parts = tuple(ConvexPolygon.from_vertices(face) for face in faces)
+    except GeometryError:
+        return ()
+    area = outline.polygon.area
+    return parts if abs(sum(part.area for part in parts) - area) <= 1e-9 * area else ()
+
+
 def _faces(outline: Outline, diagonals: NDArray[np.intp]) -> list[Array]:
-    """Vertices of the parts into which the diagonals cut the outline, sorted for a reproducible order."""
-    edges = np.concatenate(
-        [*(np.stack([ring, np.roll(ring, -1)], axis=1) for ring in outline.rings), diagonals]
-    )
-    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(outline.points[edges])))
+    """Vertices of the faces into which the diagonals cut the outline, slivers left out."""
+    sides = (np.stack([ring, np.roll(ring, -1)], axis=1) for ring in outline.rings)
+    lines = shapely.linestrings(outline.points[np.concatenate([*sides, diagonals])])
+    faces = shapely.get_parts(shapely.polygonize(lines))
     inside = shapely.contains_properly(outline.polygon, shapely.point_on_surface(faces))
-    rings = [shapely.get_coordinates(face)[:-1] for face in faces[inside]]
+    solid = shapely.area(faces) > tolerance(outline.points) ** 2
+    rings = [shapely.get_coordinates(face)[:-1] for face in faces[inside & solid]]
     return sorted(rings, key=lambda ring: (*ring.min(axis=0).tolist(), *ring.max(axis=0).tolist()))

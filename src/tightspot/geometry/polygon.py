@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from tightspot.errors import GeometryError, Problem
 from tightspot.geometry.rings import Ring, clean_ring, signed_area
 from tightspot.geometry.transforms import rotation
-
-if TYPE_CHECKING:
-    import shapely
 
 Array = NDArray[np.float64]
 
@@ -23,7 +20,8 @@ Array = NDArray[np.float64]
 class ConvexPolygon:
     """A convex polygon with at least three corners, a value: immutable, compared by its vertices.
 
-    The paper's index convention: edge i goes from vertex i-1 to vertex i, so vertex i is where edges i and i+1
+    The paper's index convention: edge i goes from vertex i-1 to vertex i, so vertex i is where edges i and
+    i+1
     meet: ``A[i] @ vertices[i] == b[i]`` and ``A[i+1] @ vertices[i] == b[i+1]``, indices modulo n.
 
     Attributes:
@@ -49,16 +47,16 @@ class ConvexPolygon:
     def from_vertices(cls, points: ArrayLike, name: str | None = None) -> ConvexPolygon:
         """The polygon with these corners, in order.
 
-        Any winding; the ring may be closed; repeated and collinear vertices are dropped within the tolerance of
-        :mod:`tightspot.geometry.rings`. The first vertex stays first unless it is dropped.
+        Any winding; the ring may be closed; repeated and collinear vertices are dropped within the tolerance
+        of :mod:`tightspot.geometry.rings`. The first vertex stays first unless it is dropped.
 
         Args:
             points: Shape (n, 2), m.
             name: What the points are called in messages, for example ``obstacles[2].vertices``.
 
         Raises:
-            GeometryError: Not finite, fewer than three distinct points, zero area, self-intersecting, or not convex
-                (the message points at :func:`tightspot.geometry.decompose`).
+            GeometryError: Not finite, fewer than three distinct points, zero area, self-intersecting, or not
+                convex (the message points at :func:`tightspot.geometry.decompose`).
         """
         return cls._trusted(_convex_ring(points, "vertices" if name is None else name))
 
@@ -66,7 +64,8 @@ class ConvexPolygon:
     def from_halfplanes(cls, A: ArrayLike, b: ArrayLike) -> ConvexPolygon:
         """The polygon ``{q: A q <= b}``: rows in any order and scaling, redundant rows are dropped.
 
-        On the boundary line of each row the other rows leave an interval; its ends are corners if it is not empty.
+        On the boundary line of each row the other rows leave an interval; its ends are corners if it is not
+        empty.
 
         Args:
             A: Shape (m, 2), need not be unit.
@@ -87,7 +86,7 @@ class ConvexPolygon:
             )
         if not np.isfinite([low[kept], high[kept]]).all():
             raise GeometryError(
-                Problem("A", "A q <= b is unbounded; add half-planes until it is closed on all sides")
+                Problem("A", "A q <= b is unbounded; add half-planes until all sides are closed")
             )
         ends = (
             np.stack([low[kept], high[kept]], axis=1)[:, :, None] * along[kept, None, :] + foot[kept, None, :]
@@ -123,7 +122,7 @@ class ConvexPolygon:
 
     @cached_property
     def radius(self) -> float:
-        """Largest distance of a vertex from the origin, m: how far the polygon reaches when the frame turns."""
+        """Largest distance of a vertex from the origin, m: the reach when the polygon turns about it."""
         return float(np.hypot(*self.vertices.T).max())
 
     def contains(self, points: ArrayLike, tol: float = 0.0) -> NDArray[np.bool_]:
@@ -146,8 +145,6 @@ class ConvexPolygon:
 
     def to_shapely(self) -> shapely.Polygon:
         """The same polygon for shapely."""
-        import shapely
-
         return shapely.Polygon(self.vertices)
 
     def __eq__(self, other: object) -> bool:
@@ -191,8 +188,6 @@ def _convex_ring(points: ArrayLike, path: str) -> Array:
 
 
 def _why_not_convex(ring: Ring, turns: Array, path: str) -> Problem:
-    import shapely
-
     if not shapely.LinearRing(ring.vertices).is_simple:
         return Problem(path, "the boundary crosses itself; list the corners once around, in order")
     at = int(np.argmin(turns))
@@ -225,7 +220,7 @@ def _normalised_rows(A: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
 
 
 def _edge_intervals(A: Array, b: Array, foot: Array, along: Array) -> tuple[Array, Array]:
-    """For each row i the interval [low, high] of s with ``A (foot_i + s along_i) <= b``, given all other rows."""
+    """For each row i the interval [low, high] of s with ``A (foot_i + s along_i) <= b`` for all rows."""
     slope = along @ A.T
     room = b[None, :] - foot @ A.T
     parallel = np.abs(slope) < 1e-12

@@ -1,8 +1,8 @@
 """Cleaning of vertex lists: what is repeated or collinear goes, what is no ring is refused.
 
-Tolerance: two points closer than ``tolerance(points)``, 1e-9 of the extent (the larger side of the bounding box)
-but no less than the rounding of the coordinates, are one point, and a vertex closer than that to the line through
-its neighbours lies on it. A car park of 100 m is thus cleaned to 0.1 micrometres.
+Tolerance: two points closer than ``tolerance(points)``, 1e-9 of the extent (the larger side of the bounding
+    box) but no less than the rounding of the coordinates, are one point, and a vertex closer than that to the
+    line through its neighbours lies on it. A car park of 100 m is thus cleaned to 0.1 micrometres.
 """
 
 from __future__ import annotations
@@ -51,14 +51,15 @@ def as_points(points: ArrayLike, path: str) -> Array:
         array = np.array(points, dtype=float)
     except (TypeError, ValueError):
         raise GeometryError(
-            Problem(path, "must be a list of points, each two numbers [x, y] in metres")
+            Problem(path, "a polygon must be a list of points, each two numbers [x, y] in metres")
         ) from None
     if array.size == 0:
-        raise GeometryError(Problem(path, "has no points; a polygon needs at least three"))
+        raise GeometryError(Problem(path, "the polygon has no points; it needs at least three"))
     if array.ndim != 2 or array.shape[1] != 2:
         raise GeometryError(
             Problem(
-                path, f"has shape {array.shape}; give a list of points, each two numbers [x, y] in metres"
+                path,
+                f"the points have shape {array.shape}; give a list of points [x, y] in metres",
             )
         )
     odd = ~(np.abs(array) <= LARGEST_COORDINATE).all(axis=1)
@@ -76,15 +77,16 @@ def as_points(points: ArrayLike, path: str) -> Array:
 def clean_ring(points: ArrayLike, path: str = "vertices") -> Ring:
     """The ring without repeated and collinear vertices, counter-clockwise, starting where the input starts.
 
-    The ring may be closed (last point equal to the first) and of any winding. It may still cross itself: that is
-    for the caller to check. Tolerance: see the module.
+    The ring may be closed (last point equal to the first) and of any winding. It may still cross itself: that
+    is for the caller to check. Tolerance: see the module.
 
     Args:
         points: Shape (n, 2), m.
         path: What the points are called in the messages.
 
     Raises:
-        GeometryError: Not finite, fewer than three distinct points, all on one line, or doubling back on itself.
+        GeometryError: Not finite, fewer than three distinct points, all on one line, or doubling back on
+            itself.
     """
     array = as_points(points, path)
     tol = tolerance(array)
@@ -93,11 +95,11 @@ def clean_ring(points: ArrayLike, path: str = "vertices") -> Ring:
         raise GeometryError(
             Problem(
                 path,
-                f"has {len(array)} points of which fewer than three are distinct; give three corners or more",
+                f"of {len(array)} points fewer than three are distinct; give three corners or more",
             )
         )
     if _on_one_line(array[index], tol):
-        raise GeometryError(Problem(path, "has zero area: all its points lie on one line"))
+        raise GeometryError(Problem(path, "the polygon has zero area: all its points lie on one line"))
     index = _without_collinear(array, index, tol, path)
     if signed_area(array[index]) < 0:
         index = np.roll(index[::-1], 1)
@@ -152,6 +154,9 @@ def _is_straight(previous: Array, vertex: Array, following: Array, tol: float, p
         return False
     if float(arriving @ leaving) < 0:
         raise GeometryError(
-            Problem(path, f"the boundary doubles back on itself at {_point(vertex)}; remove this vertex")
+            Problem(
+                path,
+                f"the boundary doubles back on itself at {_point(vertex)}; remove it or give the wall a thickness",
+            )
         )
     return True

@@ -1,14 +1,15 @@
 """Closed-form best separating line, signed distance and penetration depth of convex polygons, batched.
 
-The clearance of convex polygons V and O is ``max over unit n of  min(n.V) - max(n.O)``: the Euclidean distance if they
-are disjoint, minus the penetration depth (the shortest translation that parts them) if they overlap. The maximum is
-attained at an outward edge normal of O, at minus one of V, or, if they are disjoint, along the line through the
-closest two vertices. So it is enough to try those finitely many n. Every n tried gives a lower bound, so that
-rounding cannot make the clearance larger than it is, and near contact, where the closest vertices give no direction,
-the edge normals remain: the normal is always a unit vector.
+The clearance of convex polygons V and O is ``max over unit n of  min(n.V) - max(n.O)``: the Euclidean
+distance if they are disjoint, minus the penetration depth (the shortest translation that parts them) if they
+overlap. The maximum is attained at an outward edge normal of O, at minus one of V, or, if they are disjoint,
+along the line through the closest two vertices. So it is enough to try those finitely many n. Every n tried
+gives a lower bound, so that rounding cannot make the clearance larger than it is, and near contact, where the
+closest vertices give no direction, the edge normals remain: the normal is always a unit vector.
 
 References:
-    S. Cameron and R. K. Culley, Determining the minimum translational distance between two convex polyhedra, ICRA 1986.
+    S. Cameron and R. K. Culley, Determining the minimum translational distance between two convex polyhedra,
+    ICRA 1986.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ class Separation(NamedTuple):
     Attributes:
         normal: Unit vector that points from O to V, shape (..., 2).
         offset: Midway between the two, ``(min(n.V) + max(n.O)) / 2``, m, shape (...).
-        clearance: ``min(n.V) - max(n.O)``: distance if positive, minus the penetration depth if negative, m, (...).
+        clearance: ``min(n.V) - max(n.O)``: distance if positive, minus the penetration depth if negative, m,
+            (...).
     """
 
     normal: Array
@@ -44,8 +46,9 @@ class Separation(NamedTuple):
 def best_line(V: ArrayLike, O: ArrayLike) -> Separation:
     """The line that separates V from O best, in closed form, for a whole batch.
 
-    If they are disjoint, the normal is the direction of shortest distance; if they overlap, moving V along it by the
-    penetration depth is the shortest translation that parts them. Among equally good lines one is returned.
+    If they are disjoint, the normal is the direction of shortest distance; if they overlap, moving V along it
+    by the penetration depth is the shortest translation that parts them. Among equally good lines one is
+    returned.
 
     Args:
         V: Convex, counter-clockwise vertices, m, shape (..., nV, 2). Vertices may be repeated (as padding).
@@ -86,7 +89,7 @@ def _checked(points: ArrayLike, name: str) -> Array:
     array = np.asarray(points, dtype=float)
     if array.ndim < 2 or array.shape[-1] != 2 or array.shape[-2] < 2:
         raise GeometryError(
-            Problem(name, f"has shape {array.shape}; vertices need shape (..., n, 2) with n of at least 2")
+            Problem(name, f"vertices of shape {array.shape} need shape (..., n, 2) with n of at least 2")
         )
     return array
 
