@@ -1,0 +1,26 @@
+"""Scenes: what they are, the built-in ones, files, and whether a vehicle can stand at start and goal."""
+
+from tightspot.scenarios.check import check
+from tightspot.scenarios.clearances import Clearance, clearance, clearances, workspace_excess
+from tightspot.scenarios.library import builtin, names, summaries
+from tightspot.scenarios.obstacle import Obstacle
+from tightspot.scenarios.readers import READERS, load
+from tightspot.scenarios.scenario import Scenario, Tolerance
+from tightspot.scenarios.schema import json_schema
+
+__all__ = [
+    "READERS",
+    "Clearance",
+    "Obstacle",
+    "Scenario",
+    "Tolerance",
+    "builtin",
+    "check",
+    "clearance",
+    "clearances",
+    "json_schema",
+    "load",
+    "names",
+    "summaries",
+    "workspace_excess",
+]

@@ -1,0 +1,127 @@
+"""From a scene object's fields to a scenario's: recentring, polygons, the default workspace."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.errors import GeometryError, Problem, SceneError
+from tightspot.geometry import ConvexPolygon
+from tightspot.scenarios import schema, states
+from tightspot.scenarios.obstacle import Obstacle, unique_names
+from tightspot.scenarios.problems import prefixed, shortened
+
+Array = NDArray[np.float64]
+
+FAR = 1e4
+"""Coordinates farther from the origin than this are recentred, m."""
+ROOM = 10.0
+"""The default workspace leaves this much room around start and goal, m, ..."""
+MOST_ROOM = 50.0
+"""... and takes in obstacles up to this far, m."""
+
+
+def recentring(start: Array) -> Array:
+    """What to subtract from all coordinates, m, (2,): the start rounded to metres if it is far, else zero."""
+    far = bool(np.abs(start[:2]).max() > FAR)
+    return np.round(start[:2]) if far else np.zeros(2)
+
+
+def default_workspace(start: Array, goal: Array, obstacles: Sequence[Obstacle]) -> ConvexPolygon:
+    """The box around start and goal grown by 10 m, and further (at most 50 m) to take in the obstacles."""
+    ends = np.array([start[:2], goal[:2]])
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    corners = np.vstack([ends, *(obstacle.exterior for obstacle in obstacles)])
+    lowest = np.clip(corners.min(axis=0), low - MOST_ROOM, low - ROOM)
+    highest = np.clip(corners.max(axis=0), high + ROOM, high + MOST_ROOM)
+    return ConvexPolygon.rectangle(lowest[0], highest[0], lowest[1], highest[1])
+
+
+def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
+    """Keyword arguments of :class:`tightspot.scenarios.Scenario` from a scene object (plain data).
+
+    Args:
+        data: What the scene file holds, see :mod:`tightspot.scenarios.schema`.
+        name: The scene's name if it has none of its own.
+
+    Raises:
+        SceneError: With all problems, each with its path in the file.
+    """
+    fields, problems = schema.read(data)
+    ends = {key: states.from_spec(fields[key]) for key in ("start", "goal") if key in fields}
+    for key, state in ends.items():
+        problems += states.state_problems(key, state)
+    # Without a start there is no scenario, but the polygons are still judged, near the origin if they can be.
+    offset = recentring(ends.get("start", ends.get("goal", _any_point(fields))))
+    obstacles, found = _obstacles(fields.get("obstacles", []), offset)
+    problems += found
+    workspace, found = _workspace(fields.get("workspace"), offset)
+    problems += found
+    if problems:
+        raise SceneError(shortened(problems))
+    shift = np.array([*offset, 0.0, 0.0, 0.0])
+    start, goal = ends["start"] - shift, ends["goal"] - shift
+    return {
+        "name": fields["name"] or name,
+        "description": fields["description"],
+        "source": fields["source"],
+        "vehicle": copy.deepcopy(fields["vehicle"]),
+        "margin": fields["margin"],
+        "workspace": workspace or default_workspace(start, goal, obstacles),
+        "obstacles": tuple(obstacles),
+        "start": start,
+        "goal": goal,
+        "tolerance": fields["tolerance"],
+        "offset": offset,
+    }
+
+
+def _any_point(fields: dict[str, Any]) -> Array:
+    for spec in fields.get("obstacles", []):
+        if spec is not None and spec.vertices:
+            return np.array(spec.vertices[0])
+    return np.zeros(2)
+
+
+def _obstacles(
+    specs: Sequence[schema.ObstacleSpec | None], offset: Array
+) -> tuple[list[Obstacle], list[Problem]]:
+    names = unique_names([None if spec is None else spec.name for spec in specs])
+    obstacles, problems = [], []
+    for index, (name, spec) in enumerate(zip(names, specs, strict=True)):
+        if spec is None:
+            continue
+        rings = [np.array(ring, dtype=float).reshape(-1, 2) - offset for ring in (spec.vertices, *spec.holes)]
+        try:
+            obstacles.append(Obstacle(name, rings[0], tuple(rings[1:])))
+        except GeometryError as error:
+            problems += prefixed(f"obstacles[{index}]", error.problems)
+    return obstacles, problems
+
+
+def _workspace(
+    spec: schema.BoxSpec | list[tuple[float, float]] | None, offset: Array
+) -> tuple[ConvexPolygon | None, list[Problem]]:
+    if spec is None:
+        return None, []
+    try:
+        if isinstance(spec, schema.BoxSpec):
+            (x_min, x_max), (y_min, y_max) = np.array([spec.x, spec.y]) - offset[:, None]
+            return ConvexPolygon.rectangle(x_min, x_max, y_min, y_max), []
+        return ConvexPolygon.from_vertices(
+            np.array(spec, dtype=float).reshape(-1, 2) - offset, "workspace"
+        ), []
+    except GeometryError as error:
+        return None, [Problem(p.path, _workspace_sentence(p.message)) for p in error.problems]
+
+
+def _workspace_sentence(message: str) -> str:
+    if "not convex" not in message:
+        return message
+    return (
+        f"{message.split(';')[0]}; give its convex hull and make obstacles of what the vehicle must not use"
+    )

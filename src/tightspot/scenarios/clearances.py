@@ -1,0 +1,101 @@
+"""How near a standing vehicle is to every obstacle, and to the workspace's sides."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.geometry import best_line, transform
+from tightspot.scenarios.scenario import Scenario
+from tightspot.scenarios.states import STATE
+from tightspot.vehicles import VehicleModel
+
+Array = NDArray[np.float64]
+
+
+class Clearance(NamedTuple):
+    """The nearest obstacle of a vehicle that stands still.
+
+    Attributes:
+        value: Signed distance, m: minus the penetration depth if they overlap, infinite without obstacles.
+        obstacle: Name of the obstacle.
+        part: Name of the body part.
+        normal: Unit vector from the obstacle to the body; along it is the shortest way out, shape (2,).
+    """
+
+    value: float
+    obstacle: str
+    part: str
+    normal: Array
+
+
+def clearances(
+    scenario: Scenario, vehicle: VehicleModel, state: Array, reach: float = np.inf
+) -> list[Clearance]:
+    """One :class:`Clearance` an obstacle, nearest first, of the vehicle in one state.
+
+    Args:
+        scenario: The scene.
+        vehicle: The vehicle.
+        state: (x, y, theta, v, delta), free entries NaN.
+        reach: Obstacles farther away than this may be left out, m.
+    """
+    bodies = body_vertices(vehicle, state)
+    corners = np.vstack([vertices for _, vertices in bodies])
+    near = [
+        (index, part.vertices)
+        for index, obstacle in enumerate(scenario.obstacles)
+        for part in obstacle.parts
+        if _box_distance(corners, part.vertices) <= reach
+    ]
+    if not near:
+        return []
+    padded = padded_vertices([vertices for _, vertices in near])
+    owner = np.array([index for index, _ in near])
+    nearest: dict[int, Clearance] = {}
+    for part_name, vertices in bodies:
+        line = best_line(vertices, padded)
+        for row in np.argsort(line.clearance, kind="stable"):
+            index, value = int(owner[row]), float(line.clearance[row])
+            if index not in nearest or value < nearest[index].value:
+                nearest[index] = Clearance(value, scenario.obstacles[index].name, part_name, line.normal[row])
+    return sorted(nearest.values(), key=lambda clearance: clearance.value)
+
+
+def clearance(scenario: Scenario, vehicle: VehicleModel, state: Array) -> Clearance:
+    """The nearest obstacle of the vehicle in one state; its value is infinite if there is no obstacle."""
+    found = clearances(scenario, vehicle, state)
+    return found[0] if found else Clearance(np.inf, "", "", np.zeros(2))
+
+
+def workspace_excess(scenario: Scenario, vehicle: VehicleModel, state: Array) -> tuple[float, Array]:
+    """How far the body reaches out of the workspace, m (negative inside), and that side's outward normal."""
+    corners = np.vstack([vertices for _, vertices in body_vertices(vehicle, state)])
+    W = scenario.workspace
+    beyond = (corners @ W.A.T - W.b).max(axis=0)
+    side = int(beyond.argmax())
+    return float(beyond[side]), W.A[side]
+
+
+def body_vertices(vehicle: VehicleModel, state: Array) -> list[tuple[str, Array]]:
+    """Each body part's name and vertices in the scene, m, (n, 2); free entries of the state count as zero."""
+    known = dict(zip(STATE, np.nan_to_num(state), strict=True))
+    frames = vehicle.frames([known.get(name, 0.0) for name in vehicle.state_names], np)
+    return [
+        (part.name, transform(part.polygon.vertices, np.array(frames[part.frame], dtype=float)))
+        for part in vehicle.parts
+    ]
+
+
+def padded_vertices(polygons: list[Array]) -> Array:
+    """Vertex lists as one array (len, n, 2); shorter ones repeat their last vertex."""
+    n = max(len(vertices) for vertices in polygons)
+    return np.stack([np.vstack([v, np.repeat(v[-1:], n - len(v), axis=0)]) for v in polygons])
+
+
+def _box_distance(p: Array, q: Array) -> float:
+    """Distance of two point sets' bounding boxes, a lower bound of that of their hulls, m."""
+    gaps = np.maximum(q.min(axis=0) - p.max(axis=0), p.min(axis=0) - q.max(axis=0))
+    return float(np.hypot(*np.maximum(gaps, 0.0)))

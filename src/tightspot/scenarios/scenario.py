@@ -1,0 +1,178 @@
+"""A scene to plan in: workspace, obstacles, start, goal, and what counts as reached."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot import vehicles
+from tightspot.errors import Problem, SceneError
+from tightspot.geometry import ConvexPolygon
+from tightspot.scenarios.assemble import assemble, recentring
+from tightspot.scenarios.obstacle import Obstacle
+from tightspot.scenarios.schema import FORMAT, ToleranceSpec
+from tightspot.scenarios.states import as_state, state_problems, to_dict
+from tightspot.vehicles import VehicleModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How near the goal counts as reached.
+
+    Attributes:
+        position: Distance of the rear-axle midpoint, m.
+        heading: Smallest angle between the headings, rad.
+        speed: m/s, where the goal's speed is not free.
+        steering: rad, where the goal's steering angle is not free.
+    """
+
+    position: float = 0.01
+    heading: float = math.radians(1)
+    speed: float = 0.01
+    steering: float = math.radians(1)
+
+    @classmethod
+    def from_spec(cls, spec: ToleranceSpec) -> Tolerance:
+        """The scene file's tolerance."""
+        return cls(spec.position, spec.heading, spec.speed, spec.steering)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Scenario:
+    """Where a vehicle may be (W), what it must not touch, where it starts and where it shall stand.
+
+    Attributes:
+        name: For people and file names.
+        workspace: W, the convex region that the body must not leave.
+        obstacles: With different names; they may overlap each other and reach outside W.
+        start: (x, y, theta, v, delta) at the beginning, m, rad, m/s, shape (5,). NaN in v or delta: free.
+        goal: The same at the end. Any multiple of 2 pi added to its heading is the same goal.
+        tolerance: How near the goal counts as reached.
+        vehicle: Name in the catalogue, or the vehicle's object as in a vehicle file.
+        margin: Recommended demanded clearance, m.
+        offset: What was subtracted from the file's coordinates, m, shape (2,): ``file = scenario + offset``.
+        description: For people.
+        source: Where the geometry comes from.
+
+    Raises:
+        SceneError: With all problems. Whether a vehicle fits there is for :func:`tightspot.scenarios.check`.
+    """
+
+    name: str
+    workspace: ConvexPolygon
+    obstacles: tuple[Obstacle, ...]
+    start: Array
+    goal: Array
+    tolerance: Tolerance = Tolerance()
+    vehicle: str | Mapping[str, Any] = "paper"
+    margin: float = 0.05
+    offset: Array = field(default_factory=lambda: np.zeros(2))
+    description: str = ""
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for key in ("start", "goal"):
+            object.__setattr__(self, key, as_state(getattr(self, key), key))
+        offset = np.array(self.offset, dtype=float)
+        offset.setflags(write=False)
+        object.__setattr__(self, "offset", offset)
+        object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        problems = _problems(self)
+        if problems:
+            raise SceneError(problems)
+
+    @property
+    def obstacle_parts(self) -> list[tuple[str, ConvexPolygon]]:
+        """All obstacles' convex parts with unique names: obstacle ``wall`` has ``wall/0``, ``wall/1``, ..."""
+        return [
+            (f"{obstacle.name}/{index}", part)
+            for obstacle in self.obstacles
+            for index, part in enumerate(obstacle.parts)
+        ]
+
+    def vehicle_model(self) -> VehicleModel:
+        """The recommended vehicle; raises :class:`tightspot.errors.VehicleError` if there is none such."""
+        if isinstance(self.vehicle, str):
+            return vehicles.vehicle(self.vehicle)
+        return vehicles.from_dict(self.vehicle)
+
+    def with_(self, **changes: Any) -> Scenario:
+        """A copy with some attributes changed, checked again."""
+        return dataclasses.replace(self, **changes)
+
+    def recentred(self) -> Scenario:
+        """The same scene with the start near the origin if it was more than 10 km away, else itself."""
+        step = recentring(self.start)
+        if not step.any():
+            return self
+        state_step = np.array([*step, 0.0, 0.0, 0.0])
+        return self.with_(
+            workspace=self.workspace.transformed(-step[0], -step[1], 0.0),
+            obstacles=tuple(obstacle.shifted(-step) for obstacle in self.obstacles),
+            start=self.start - state_step,
+            goal=self.goal - state_step,
+            offset=self.offset + step,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene file's object, plain data in the file's coordinates; :meth:`from_dict` reads it back."""
+        return {
+            "format": FORMAT,
+            "name": self.name,
+            "description": self.description,
+            "source": self.source,
+            "vehicle": self.vehicle if isinstance(self.vehicle, str) else dict(self.vehicle),
+            "margin": self.margin,
+            "workspace": (self.workspace.vertices + self.offset).tolist(),
+            "obstacles": [obstacle.to_dict(self.offset) for obstacle in self.obstacles],
+            "start": to_dict(self.start, self.offset),
+            "goal": to_dict(self.goal, self.offset),
+            "tolerance": dataclasses.asdict(self.tolerance),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Any, *, name: str = "scene") -> Scenario:
+        """The scenario that a scene file's object describes.
+
+        Args:
+            data: Plain data, see :mod:`tightspot.scenarios.schema`.
+            name: Its name if the data holds none.
+
+        Raises:
+            SceneError: With all problems, each with its path in the file.
+        """
+        fields = assemble(data, name)
+        fields["tolerance"] = Tolerance.from_spec(fields["tolerance"])
+        return cls(**fields)
+
+
+def _problems(scenario: Scenario) -> list[Problem]:
+    problems = state_problems("start", scenario.start) + state_problems("goal", scenario.goal)
+    if not (math.isfinite(scenario.margin) and scenario.margin >= 0):
+        problems.append(Problem("margin", f"{scenario.margin} m must be a finite clearance of 0 m or more"))
+    if scenario.offset.shape != (2,) or not np.isfinite(scenario.offset).all():
+        problems.append(Problem("offset", "must be two finite numbers [x, y], m"))
+    for key, value in dataclasses.asdict(scenario.tolerance).items():
+        if not (math.isfinite(value) and value > 0):
+            problems.append(Problem(f"tolerance.{key}", f"{value} must be a finite number above 0"))
+    return problems + _repeated_names(scenario.obstacles)
+
+
+def _repeated_names(obstacles: Sequence[Obstacle]) -> list[Problem]:
+    first: dict[str, int] = {}
+    problems = []
+    for index, obstacle in enumerate(obstacles):
+        if obstacle.name in first:
+            other = f"obstacles[{first[obstacle.name]}]"
+            sentence = f"{obstacle.name!r} is already the name of {other}; names must differ"
+            problems.append(Problem(f"obstacles[{index}].name", sentence))
+        first.setdefault(obstacle.name, index)
+    return problems

@@ -1,0 +1,69 @@
+"""States of a scene: (x, y, theta, v, delta), and whether the numbers look like metres and radians."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tightspot.errors import Problem, SceneError
+from tightspot.scenarios.schema import StateSpec
+
+Array = NDArray[np.float64]
+
+STATE = ("x", "y", "theta", "v", "delta")
+FREE = ("v", "delta")
+"""Entries of a state that may be NaN, which means free."""
+
+
+def as_state(value: ArrayLike, path: str) -> Array:
+    """A read-only copy of shape (5,); raises :class:`SceneError` if it is none."""
+    try:
+        state = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise SceneError(Problem(path, f"must be five numbers {', '.join(STATE)}")) from None
+    if state.shape != (5,):
+        raise SceneError(
+            Problem(path, f"has shape {state.shape}; it must be five numbers {', '.join(STATE)}")
+        )
+    state.setflags(write=False)
+    return state
+
+
+def from_spec(spec: StateSpec) -> Array:
+    """The file's state as an array; ``null`` becomes NaN."""
+    values = [getattr(spec, name) for name in STATE]
+    return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+
+def to_dict(state: Array, offset: Array) -> dict[str, float | None]:
+    """The file's state, ``offset`` (m, m) added; NaN becomes ``None``."""
+    values = state + np.array([*offset, 0.0, 0.0, 0.0])
+    return {
+        name: None if np.isnan(value) else float(value) for name, value in zip(STATE, values, strict=True)
+    }
+
+
+def state_problems(path: str, state: Array) -> list[Problem]:
+    """What is wrong with a state's numbers for any vehicle: not finite, or degrees where radians belong."""
+    problems = []
+    for name, value in zip(STATE, state, strict=True):
+        if np.isinf(value) or (np.isnan(value) and name not in FREE):
+            problems.append(Problem(f"{path}.{name}", f"{value} is not a finite number"))
+    theta, delta = state[2], state[4]
+    if np.isfinite(theta) and abs(theta) > 4 * np.pi:
+        problems.append(
+            Problem(
+                f"{path}.theta",
+                f"{theta:g} rad is more than two turns and looks like degrees; "
+                f"angles are in radians: {theta:g} deg = {np.radians(theta):.6g} rad",
+            )
+        )
+    if np.isfinite(delta) and abs(delta) >= np.pi / 2:
+        problems.append(
+            Problem(
+                f"{path}.delta",
+                f"a steering angle of {delta:g} rad is not below pi/2 (90 deg); "
+                f"angles are in radians: {delta:g} deg = {np.radians(delta):.6g} rad",
+            )
+        )
+    return problems
