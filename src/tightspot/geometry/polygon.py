@@ -75,23 +75,20 @@ class ConvexPolygon:
             GeometryError: The set is empty, has no interior or is unbounded, or a row has no direction.
         """
         A, b = _normalised_rows(A, b)
-        order = np.argsort(np.arctan2(A[:, 1], A[:, 0]), kind="stable")
-        A, b = A[order], b[order]
         foot, along = A * b[:, None], np.stack([-A[:, 1], A[:, 0]], axis=1)
         low, high = _edge_intervals(A, b, foot, along)
         kept = high > low
-        if not kept.any():
-            raise GeometryError(
-                Problem("b", "no point satisfies A q <= b strictly: the half-planes have no common area")
-            )
-        if not np.isfinite([low[kept], high[kept]]).all():
+        foot, along, low, high = foot[kept], along[kept], low[kept], high[kept]
+        if not np.isfinite([low, high]).all():
             raise GeometryError(
                 Problem("A", "A q <= b is unbounded; add half-planes until all sides are closed")
             )
-        ends = (
-            np.stack([low[kept], high[kept]], axis=1)[:, :, None] * along[kept, None, :] + foot[kept, None, :]
-        )
-        return cls.from_vertices(ends.reshape(-1, 2), "A q <= b")
+        ends = foot[:, None, :] + np.stack([low, high], axis=1)[:, :, None] * along[:, None, :]
+        hull = shapely.MultiPoint(ends.reshape(-1, 2)).convex_hull
+        if hull.geom_type != "Polygon":
+            message = "the half-planes A q <= b have no area in common; check their signs"
+            raise GeometryError(Problem("b", message))
+        return cls.from_vertices(shapely.get_coordinates(hull), "A q <= b")
 
     @classmethod
     def rectangle(cls, x_min: float, x_max: float, y_min: float, y_max: float) -> ConvexPolygon:

@@ -156,7 +156,8 @@ def _is_straight(previous: Array, vertex: Array, following: Array, tol: float, p
         raise GeometryError(
             Problem(
                 path,
-                f"the boundary doubles back on itself at {_point(vertex)}; remove it or give the wall a thickness",
+                f"the boundary doubles back on itself at {_point(vertex)}; "
+                "remove this vertex or give the wall a thickness",
             )
         )
     return True

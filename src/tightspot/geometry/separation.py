@@ -24,8 +24,8 @@ from tightspot.errors import GeometryError, Problem
 
 Array = NDArray[np.float64]
 
-# Numbers in one temporary array (256 KiB): small enough for the cache, large enough to hide the interpreter.
-_BLOCK = 32_768
+# Numbers in one temporary array (512 KiB): small enough for the cache, large enough to hide the interpreter.
+_BLOCK = 65_536
 
 
 class Separation(NamedTuple):
@@ -55,7 +55,8 @@ def best_line(V: ArrayLike, O: ArrayLike) -> Separation:
         O: The same for the obstacle, shape (..., nO, 2); leading dimensions broadcast against those of V.
 
     Raises:
-        GeometryError: The shapes do not fit. Winding and convexity are *not* checked.
+        GeometryError: The shapes do not fit or a number is not finite. Winding and convexity are *not*
+            checked.
     """
     V, O = _checked(V, "V"), _checked(O, "O")
     try:
@@ -91,6 +92,8 @@ def _checked(points: ArrayLike, name: str) -> Array:
         raise GeometryError(
             Problem(name, f"vertices of shape {array.shape} need shape (..., n, 2) with n of at least 2")
         )
+    if not np.isfinite(array).all():
+        raise GeometryError(Problem(name, "vertices must be finite; an entry is infinite or not a number"))
     return array
 
 

@@ -44,7 +44,8 @@ def wrap_angle(angle: ArrayLike) -> Array | float:
     """``angle + 2 pi k`` in (-pi, pi], rad; angles already there come back unchanged."""
     angle = np.asarray(angle, dtype=float)
     wrapped = angle - 2 * np.pi * np.ceil((angle - np.pi) / (2 * np.pi))
-    return np.asarray(np.where(wrapped <= -np.pi, np.pi, wrapped))[()]
+    wrapped = np.where((-np.pi < wrapped) & (wrapped <= np.pi), wrapped, np.pi)
+    return np.asarray(np.where((-np.pi < angle) & (angle <= np.pi), angle, wrapped))[()]
 
 
 @overload
