@@ -21,7 +21,7 @@ def test_vertex_i_is_where_edges_i_and_i_plus_1_meet(points):
     np.testing.assert_allclose((A * V).sum(axis=1), b, atol=1e-13)
     np.testing.assert_allclose((np.roll(A, -1, axis=0) * V).sum(axis=1), np.roll(b, -1), atol=1e-13)
     np.testing.assert_allclose(np.hypot(*A.T), 1.0, rtol=1e-15)
-    assert (V @ A.T <= b).all()
+    assert np.less_equal(V @ A.T, b).all()
     edge = V - np.roll(V, 1, axis=0)
     np.testing.assert_allclose((A * edge).sum(axis=1), 0.0, atol=1e-13)
     assert (A @ polygon.centroid < b).all()
