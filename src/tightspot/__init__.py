@@ -1,0 +1,130 @@
+"""Certified collision-free manoeuvres for vehicles among polygons.
+
+The one verb is :func:`plan`::
+
+    import tightspot
+
+    plan = tightspot.plan("vertical")
+    print(plan.certificate.clearance)
+
+Names are imported when they are first used, so that ``import tightspot`` costs next to nothing and programs
+that only check plans never load an optimiser.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tightspot.errors import (
+        BuildError,
+        GeometryError,
+        InputError,
+        PlanFileError,
+        PlanningError,
+        Problem,
+        SceneError,
+        TightspotError,
+        VehicleError,
+    )
+    from tightspot.geometry import ConvexPolygon
+    from tightspot.planner import Progress, plan
+    from tightspot.scenarios import Obstacle, Scenario, load
+    from tightspot.trajectory import Trajectory
+    from tightspot.transcription import Objective
+    from tightspot.vehicles import SingleTrack, VehicleModel, load_vehicle, vehicle
+    from tightspot.verification import (
+        Certificate,
+        Plan,
+        Verdict,
+        load_plan,
+        save_plan,
+        verify,
+        verify_plan,
+        write_trajectory_csv,
+    )
+
+_ROOMS = {
+    "tightspot.errors": (
+        "BuildError",
+        "GeometryError",
+        "InputError",
+        "PlanFileError",
+        "PlanningError",
+        "Problem",
+        "SceneError",
+        "TightspotError",
+        "VehicleError",
+    ),
+    "tightspot.geometry": ("ConvexPolygon",),
+    "tightspot.planner": ("Progress", "plan"),
+    "tightspot.scenarios": ("Obstacle", "Scenario", "load"),
+    "tightspot.trajectory": ("Trajectory",),
+    "tightspot.transcription": ("Objective",),
+    "tightspot.vehicles": ("SingleTrack", "VehicleModel", "load_vehicle", "vehicle"),
+    "tightspot.verification": (
+        "Certificate",
+        "Plan",
+        "Verdict",
+        "load_plan",
+        "save_plan",
+        "verify",
+        "verify_plan",
+        "write_trajectory_csv",
+    ),
+}
+_ROOM_OF = {name: room for room, names in _ROOMS.items() for name in names}
+
+try:
+    __version__ = version("tightspot")
+except PackageNotFoundError:  # run from a bare source tree
+    __version__ = "0+unknown"
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name on first use (PEP 562)."""
+    if name not in _ROOM_OF:
+        raise AttributeError(f"module 'tightspot' has no attribute {name!r}")
+    value = getattr(import_module(_ROOM_OF[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+__all__ = [
+    "BuildError",
+    "Certificate",
+    "ConvexPolygon",
+    "GeometryError",
+    "InputError",
+    "Objective",
+    "Obstacle",
+    "Plan",
+    "PlanFileError",
+    "PlanningError",
+    "Problem",
+    "Progress",
+    "Scenario",
+    "SceneError",
+    "SingleTrack",
+    "TightspotError",
+    "Trajectory",
+    "VehicleError",
+    "VehicleModel",
+    "Verdict",
+    "__version__",
+    "load",
+    "load_plan",
+    "load_vehicle",
+    "plan",
+    "save_plan",
+    "vehicle",
+    "verify",
+    "verify_plan",
+    "write_trajectory_csv",
+]

@@ -1,0 +1,67 @@
+"""The application: its commands, ``--version``, and the one place where exceptions become exit codes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+import tightspot
+from tightspot.cli.failures import DONE, failure_of
+from tightspot.cli.plan import plan_command
+from tightspot.cli.scenes import scenes_command
+from tightspot.cli.schema import schema_command
+from tightspot.cli.show import show_command
+from tightspot.cli.vehicles import vehicles_command
+from tightspot.cli.verify import verify_command
+
+app = typer.Typer(name="tightspot", add_completion=False, rich_markup_mode=None)
+app.command("plan")(plan_command)
+app.command("verify")(verify_command)
+app.command("show")(show_command)
+app.command("scenes")(scenes_command)
+app.command("vehicles")(vehicles_command)
+app.command("schema")(schema_command)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"tightspot {tightspot.__version__}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Plan collision-free manoeuvres for vehicles among polygons, certified for all times.
+
+    Exit codes: 0 done; 1 no plan found, or a plan that is not upheld; 2 bad input; 3 a defect of tightspot;
+    130 interrupted.
+    """
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        arguments: Without the program's name; default: the process's.
+
+    Returns:
+        The exit code, see ``tightspot --help``.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        code = typer.main.get_command(app).main(given, prog_name="tightspot", standalone_mode=False)
+    except (Exception, KeyboardInterrupt) as error:
+        return failure_of(error).report(as_json="--json" in given)
+    if code == failure_of(KeyboardInterrupt()).code:  # typer swallows the exception and returns the code
+        return failure_of(KeyboardInterrupt()).report(as_json="--json" in given)
+    return code if isinstance(code, int) else DONE

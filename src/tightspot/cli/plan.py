@@ -1,0 +1,114 @@
+"""``tightspot plan``: from a scene to a certified plan and its files."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tightspot.cli.console import answers, notes, print_json, print_line
+from tightspot.cli.output_files import check_directory, default_directory, write_plan
+from tightspot.cli.progress import ProgressView
+from tightspot.cli.summary import plan_facts, summary_table
+
+if TYPE_CHECKING:
+    from tightspot.verification import Plan
+
+
+def plan_command(
+    scene: Annotated[
+        str, typer.Argument(metavar="SCENE", help="A built-in scene or a file (.yaml, .json, TPCAP .csv).")
+    ],
+    vehicle: Annotated[
+        str | None,
+        typer.Option(metavar="NAME|FILE", help="From the catalogue or a file; default: the scene's."),
+    ] = None,
+    formulation: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="swept-line (default), separating-line, unit-normal-line."),
+    ] = None,
+    guess: Annotated[
+        str | None, typer.Option(metavar="NAME", help="hybrid-astar (default), simplified, linear.")
+    ] = None,
+    solver: Annotated[str | None, typer.Option(metavar="NAME", help="ipopt (default).")] = None,
+    steps: Annotated[
+        int | None, typer.Option(metavar="N", help="Intervals to begin with; default: from the guess.")
+    ] = None,
+    margin: Annotated[
+        float | None,
+        typer.Option(metavar="METRES", help="Clearance to keep at all times; default: the scene's."),
+    ] = None,
+    time_weight: Annotated[
+        float | None,
+        typer.Option(metavar="R", help="Weight of the duration against the input energy; default: 1."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="DIR", help="For the files; default: <scene>-plan."),
+    ] = None,
+    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw plan.png.")] = True,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
+) -> None:
+    """Plan a certified manoeuvre and write plan.json, trajectory.csv and plan.png.
+
+    Nothing is written unless the plan is certified for all times.
+    """
+    if output is not None:
+        check_directory(output)
+    with ProgressView(notes(), quiet=quiet) as view:
+        plan = _plan(scene, vehicle, formulation, guess, solver, steps, margin, time_weight, output, view)
+    directory = output or default_directory(plan.scenario.name)
+    drawable = importlib.util.find_spec("matplotlib") is not None
+    files = write_plan(plan, directory, picture=picture and drawable)
+    if picture and not drawable and not quiet:
+        print_line(notes(), 'no picture: matplotlib is not installed; pip install "tightspot[plot]"')
+    if json:
+        print_json({"status": "certified", "files": files, **plan_facts(plan)})
+    elif not quiet:
+        _print(plan, files)
+
+
+def _plan(
+    scene: str,
+    vehicle: str | None,
+    formulation: str | None,
+    guess: str | None,
+    solver: str | None,
+    steps: int | None,
+    margin: float | None,
+    time_weight: float | None,
+    output: Path | None,
+    view: ProgressView,
+) -> Plan:
+    from tightspot.planner import plan
+    from tightspot.scenarios import load
+    from tightspot.transcription import Objective
+
+    scenario = load(scene)
+    if output is None:
+        check_directory(default_directory(scenario.name))
+    return plan(
+        scenario,
+        vehicle=vehicle,
+        objective=None if time_weight is None else Objective(time_weight=time_weight),
+        formulation=formulation,
+        guess=guess,
+        solver=solver,
+        steps=steps,
+        margin=margin,
+        progress=view,
+    )
+
+
+def _print(plan: Plan, files: dict[str, str]) -> None:
+    console = answers()
+    console.print(summary_table(plan))
+    console.print()
+    for line in plan.certificate.summary():
+        print_line(console, line)
+    console.print()
+    for kind, path in files.items():
+        print_line(console, f"{kind}: {path}")

@@ -1,0 +1,70 @@
+"""What a plan is, in a few lines for people and as a JSON object for programs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from tightspot.verification import Certificate, Plan
+
+
+def summary_table(plan: Plan) -> Table:
+    """The numbers one looks for first."""
+    report = plan.report
+    rounds = report["rounds"]
+    objective = report["objective"]
+    table = Table(box=None, show_header=False, pad_edge=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column()
+    table.add_row("scene", plan.scenario.name)
+    table.add_row("vehicle", plan.vehicle.name)
+    table.add_row("duration", f"{report['duration']:.2f} s")
+    table.add_row("path length", f"{report['path_length']:.2f} m")
+    table.add_row("gear changes", str(report["gear_changes"]))
+    table.add_row("steps", str(plan.trajectory.steps))
+    table.add_row("objective", f"{objective['value']:.4f} (weight {objective['time_weight']:g} on time)")
+    table.add_row("clearance", _clearance(plan.certificate))
+    table.add_row("method", f"{report['formulation']} from {report['guess']['name']}, {report['solver']}")
+    iterations = sum(entry["solve"]["iterations"] for entry in rounds)
+    table.add_row("rounds", f"{len(rounds)} ({iterations} iterations)")
+    table.add_row("time", f"{report['seconds']:.2f} s ({report['guess']['seconds']:.2f} s for the guess)")
+    return table
+
+
+def certificate_facts(certificate: Certificate) -> dict[str, Any]:
+    """The certificate without its proof; a clearance of ``None`` is unbounded: there is nothing to touch."""
+    finite = math.isfinite(certificate.clearance)
+    return {
+        "certified": certificate.certified,
+        "margin": certificate.margin,
+        "clearance": certificate.clearance if finite else None,
+        "intervals": certificate.intervals,
+        "pairs": len(certificate.pairs),
+        "digest": certificate.digest,
+    }
+
+
+def plan_facts(plan: Plan) -> dict[str, Any]:
+    """The summary for programs."""
+    report = plan.report
+    return {
+        "scene": plan.scenario.name,
+        "vehicle": plan.vehicle.name,
+        "duration": report["duration"],
+        "path_length": report["path_length"],
+        "gear_changes": report["gear_changes"],
+        "steps": plan.trajectory.steps,
+        "objective": report["objective"]["value"],
+        "rounds": len(report["rounds"]),
+        "seconds": report["seconds"],
+        "certificate": certificate_facts(plan.certificate),
+    }
+
+
+def _clearance(certificate: Certificate) -> str:
+    if math.isinf(certificate.clearance):
+        return "nothing to touch"
+    return f"at least {certificate.clearance:.4f} m at all times (demanded {certificate.margin:g} m)"
