@@ -1,0 +1,96 @@
+"""The arguments of :func:`tightspot.plan`, resolved and checked once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tightspot.errors import InputError, Problem
+from tightspot.formulations import Formulation, SweptLine, formulation
+from tightspot.guesses import Guess, HybridAStar, guess
+from tightspot.scenarios import Scenario, check, load
+from tightspot.solvers import SOLVERS, Ipopt, Solver
+from tightspot.transcription import Objective
+from tightspot.vehicles import SingleTrack, VehicleModel, from_dict, load_vehicle
+
+MOST_STEPS = 500
+LARGEST_MARGIN = 10.0
+
+
+@dataclass(frozen=True)
+class Request:
+    """Everything :func:`tightspot.plan` was asked for, with the defaults filled in."""
+
+    scenario: Scenario
+    vehicle: VehicleModel
+    objective: Objective
+    formulation: Formulation
+    guess: Guess
+    solver: Solver
+    steps: int | None
+    margin: float
+    refinements: int
+
+
+def resolve(
+    scenario: Scenario | str | Path,
+    vehicle: VehicleModel | str | Path | None,
+    objective: Objective | None,
+    formulation_: Formulation | str | None,
+    guess_: Guess | str | None,
+    solver: Solver | str | None,
+    steps: int | None,
+    margin: float | None,
+    refinements: int,
+) -> Request:
+    """Names become objects, ``None`` becomes the default; then the scene is checked for this vehicle and margin.
+
+    Raises:
+        InputError: With everything that is wrong.
+    """
+    scene = scenario if isinstance(scenario, Scenario) else load(scenario)
+    car = resolve_vehicle(scene, vehicle)
+    margin = scene.margin if margin is None else margin
+    problems = []
+    if not (np.isfinite(margin) and 0 <= margin <= LARGEST_MARGIN):
+        problems.append(Problem("margin", f"{margin} m must lie between 0 and {LARGEST_MARGIN:g} m"))
+    if steps is not None and not 2 <= steps <= MOST_STEPS:
+        problems.append(Problem("steps", f"{steps} must lie between 2 and {MOST_STEPS}"))
+    if refinements < 0:
+        problems.append(Problem("refinements", f"{refinements} must not be negative"))
+    if problems:
+        raise InputError(problems)
+    check(scene, car, margin)
+    return Request(
+        scene,
+        car,
+        objective or Objective(),
+        formulation(formulation_) if isinstance(formulation_, str) else formulation_ or SweptLine(),
+        guess(guess_) if isinstance(guess_, str) else guess_ or HybridAStar(),
+        resolve_solver(solver),
+        steps,
+        margin,
+        refinements,
+    )
+
+
+def resolve_vehicle(scenario: Scenario, vehicle: VehicleModel | str | Path | None) -> VehicleModel:
+    """The given vehicle, by object, name or file; otherwise the scenario's own."""
+    wanted = scenario.vehicle if vehicle is None else vehicle
+    if isinstance(wanted, VehicleModel):
+        return wanted
+    car: SingleTrack = load_vehicle(wanted) if isinstance(wanted, str | Path) else from_dict(wanted)
+    return car
+
+
+def resolve_solver(solver: Solver | str | None) -> Solver:
+    """The given solver, by object or name; otherwise IPOPT."""
+    if isinstance(solver, Solver):
+        return solver
+    if solver is None:
+        return Ipopt(time_limit=20.0)
+    if solver.lower() in SOLVERS:
+        return SOLVERS[solver.lower()]()
+    raise InputError(Problem("solver", f"{solver!r} is not known; choose one of {', '.join(SOLVERS)}"))
