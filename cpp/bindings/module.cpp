@@ -97,6 +97,7 @@ const char* name(Outcome outcome) {
     switch (outcome) {
         case Outcome::found: return "found";
         case Outcome::exhausted: return "exhausted";
+        case Outcome::disconnected: return "disconnected";
         case Outcome::expansion_limit: return "expansion_limit";
         case Outcome::time_limit: return "time_limit";
         case Outcome::start_blocked: return "start_blocked";
@@ -170,6 +171,9 @@ void bind_checker(nb::module_& m) {
             const Contact contact = self.contact(to_pose(pose));
             return std::pair<int, double>(contact.obstacle, contact.clearance);
         }, "pose"_a)
+        .def("free_length", [](const CollisionChecker& self, const Vector3& pose, double longest, double curvature) {
+            return self.free_length(to_pose(pose), longest, curvature);
+        }, "pose"_a, "longest"_a, "curvature"_a)
         .def_prop_ro("narrowest", [](const CollisionChecker& self) { return self.footprint().narrowest; })
         .def_prop_ro("pose_checks", &CollisionChecker::pose_checks)
         .def_prop_ro("pair_tests", &CollisionChecker::pair_tests);
@@ -194,7 +198,7 @@ void bind_search(nb::module_& m) {
         .def_rw("heuristic_weight", &SearchOptions::heuristic_weight)
         .def_rw("backward", &SearchOptions::backward)
         .def_rw("max_words", &SearchOptions::max_words)
-        .def_rw("improve", &SearchOptions::improve)
+        .def_rw("extra_expansions", &SearchOptions::extra_expansions)
         .def_rw("max_expansions", &SearchOptions::max_expansions)
         .def_rw("time_limit", &SearchOptions::time_limit)
         .def_rw("keep_closed", &SearchOptions::keep_closed);

@@ -26,6 +26,7 @@ class CollisionChecker:
         self, parts: Sequence[Array], workspace: Array, obstacles: Sequence[Array], margin: float
     ) -> None: ...
     def slack(self, poses: Array) -> Array: ...
+    def free_length(self, pose: Array, longest: float, curvature: float) -> float: ...
     def contact(self, pose: Array) -> tuple[int, float]: ...
     @property
     def narrowest(self) -> float: ...
@@ -51,7 +52,7 @@ class SearchOptions:
     heuristic_weight: float
     backward: bool
     max_words: int
-    improve: float
+    extra_expansions: int
     max_expansions: int
     time_limit: float
     keep_closed: bool

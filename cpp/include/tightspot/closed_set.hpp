@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
-#include <new>
 
 #include "tightspot/pose.hpp"
 
@@ -26,46 +24,58 @@ struct PoseCells {
     }
 };
 
-/// An open-addressing map from cell to node for a number of entries fixed beforehand. Its memory is asked for once,
-/// zeroed by the system when first touched, so that a short search does not pay for the longest.
+/// An open-addressing map from cell to node. It doubles when half full, so that a search pays for what it reaches.
 class ClosedSet {
 public:
     static constexpr int absent = -1;
 
-    explicit ClosedSet(std::size_t most_entries) {
-        while (capacity_ < 2 * most_entries) capacity_ *= 2;
-        slots_.reset(static_cast<Slot*>(std::calloc(capacity_, sizeof(Slot))));
-        if (!slots_) throw std::bad_alloc();
+    explicit ClosedSet(std::size_t expected_entries) {
+        std::size_t capacity = 1024;
+        while (capacity < 2 * expected_entries) capacity *= 2;
+        slots_.resize(capacity);
     }
 
     /// `key` is not 0.
     int find(std::uint64_t key) const {
-        const Slot& slot = slots_[locate(key)];
+        const Slot& slot = slots_[locate(slots_, key)];
         return slot.key == key ? slot.node : absent;
     }
 
-    void set(std::uint64_t key, int node) { slots_[locate(key)] = {key, node}; }
+    void set(std::uint64_t key, int node) {
+        Slot* slot = &slots_[locate(slots_, key)];
+        if (slot->key == 0) {
+            if (2 * ++entries_ > slots_.size()) {
+                grow();
+                slot = &slots_[locate(slots_, key)];
+            }
+        }
+        *slot = {key, node};
+    }
 
 private:
     struct Slot {
-        std::uint64_t key;
-        int node;
-    };
-    struct Free {
-        void operator()(Slot* slots) const { std::free(slots); }
+        std::uint64_t key = 0;
+        int node = absent;
     };
 
-    std::size_t locate(std::uint64_t key) const {
-        const std::size_t mask = capacity_ - 1;
+    static std::size_t locate(const std::vector<Slot>& slots, std::uint64_t key) {
+        const std::size_t mask = slots.size() - 1;
         std::uint64_t hash = key * 0x9E3779B97F4A7C15ULL;
         hash ^= hash >> 32U;
         std::size_t slot = hash & mask;
-        while (slots_[slot].key != 0 && slots_[slot].key != key) slot = (slot + 1) & mask;
+        while (slots[slot].key != 0 && slots[slot].key != key) slot = (slot + 1) & mask;
         return slot;
     }
 
-    std::size_t capacity_ = 1024;
-    std::unique_ptr<Slot[], Free> slots_;
+    void grow() {
+        std::vector<Slot> larger(2 * slots_.size());
+        for (const Slot& slot : slots_)
+            if (slot.key != 0) larger[locate(larger, slot.key)] = slot;
+        slots_.swap(larger);
+    }
+
+    std::vector<Slot> slots_;
+    std::size_t entries_ = 0;
 };
 
 }  // namespace tightspot

@@ -27,11 +27,14 @@ public:
         : footprint_(std::move(footprint)),
           workspace_(std::move(workspace)),
           margin_(margin),
-          map_(std::move(obstacles), workspace_, footprint_.radius + margin + horizon, std::max(0.3, 0.25 * footprint_.radius)),
+          horizon_(0.75 * footprint_.narrowest),
+          usual_step_(0.05 * footprint_.narrowest),
+          sweep_tolerance_(0.001 * footprint_.narrowest),
+          map_(std::move(obstacles), workspace_, footprint_.radius + margin + horizon_, 0.25 * footprint_.radius),
           placed_(footprint_.parts) {}
 
     /// How much further the body may move at `pose` before anything comes closer than the margin (a lower bound,
-    /// at most `horizon`); not positive if something is that close already.
+    /// at most `horizon()`); not positive if something is that close already.
     double slack(const Pose& pose) const {
         ++pose_checks_;
         const double c = std::cos(pose.theta), s = std::sin(pose.theta);
@@ -43,7 +46,7 @@ public:
             is_placed = true;
             for (std::size_t i = 0; i < placed_.size(); ++i) place(footprint_.parts[i], pose, c, s, placed_[i]);
         };
-        double best = horizon;
+        double best = horizon_;
         for (std::size_t w = 0; w < workspace_.size(); ++w) {
             if (workspace_.offsets[w] - dot(workspace_.normals[w], middle) - footprint_.radius >= best) continue;
             place_once();
@@ -63,7 +66,7 @@ public:
 
     bool is_free(const Pose& pose) const { return slack(pose) > 0.0; }
 
-    /// Whether the body keeps its clearance on the whole arc, to within `sweep_tolerance`. Every two neighbouring
+    /// Whether the body keeps its clearance on the whole arc, to within `sweep_tolerance()`. Every two neighbouring
     /// samples' slacks cover the motion between them, so nothing is missed in between.
     /// `slack_at_start`: known slack at `from`; `slack_at_end` receives the one at the arc's end.
     bool arc_is_free(const Pose& from, Arc arc, double slack_at_start, double& slack_at_end) const {
@@ -72,14 +75,14 @@ public:
         const double rate = footprint_.sweep_rate(arc.curvature);
         double done = 0.0, here = slack_at_start;
         while (done < length) {
-            const double sure = (std::max(here, 0.0) + 2.0 * sweep_tolerance) / rate;
-            double step = std::max(sure, usual_step);
+            const double sure = (std::max(here, 0.0) + 2.0 * sweep_tolerance_) / rate;
+            double step = std::max(sure, usual_step_);
             double there = 0.0;
             for (;;) {
                 step = std::min(step, length - done);
                 there = slack(advance(from, {sign * (done + step), arc.curvature}));
                 if (there <= 0.0) return false;
-                if (step <= sure || step * rate <= here + there + 2.0 * sweep_tolerance) break;
+                if (step <= sure || step * rate <= here + there + 2.0 * sweep_tolerance_) break;
                 step = std::max(sure, 0.5 * step);
             }
             done = step >= length - done ? length : done + step;
@@ -87,6 +90,19 @@ public:
         }
         slack_at_end = here;
         return true;
+    }
+
+    /// How far the body can go along a circle, at most `longest`; signed like an arc's length.
+    double free_length(const Pose& pose, double longest, double curvature) const {
+        const double step = std::copysign(std::min(4.0 * usual_step_, std::abs(longest)), longest);
+        Pose from = pose;
+        double done = 0.0, slack_here = slack(pose);
+        while (slack_here > 0.0 && std::abs(done) < std::abs(longest)) {
+            if (!arc_is_free(from, {step, curvature}, slack_here, slack_here)) break;
+            done += step;
+            from = advance(pose, {done, curvature});
+        }
+        return done;
     }
 
     /// What is closest to the body at `pose`, or what it overlaps most; every obstacle is looked at.
@@ -116,12 +132,11 @@ public:
     std::int64_t pair_tests() const { return pair_tests_; }
 
     /// Slack is not looked at beyond this, m.
-    static constexpr double horizon = 1.5;
-    /// How far below the margin the clearance may fall between samples, m.
-    static constexpr double sweep_tolerance = 0.002;
+    double horizon() const { return horizon_; }
+    /// How far below the margin the clearance may fall between samples, m: a thousandth of the body's width.
+    double sweep_tolerance() const { return sweep_tolerance_; }
 
 private:
-    static constexpr double usual_step = 0.1;
     static constexpr double border_tolerance = 1e-9;
 
     double wall_clearance(std::size_t wall) const {
@@ -147,6 +162,9 @@ private:
     Footprint footprint_;
     Polygon workspace_;
     double margin_;
+    double horizon_;
+    double usual_step_;
+    double sweep_tolerance_;
     ObstacleMap map_;
     mutable std::vector<Polygon> placed_;
     mutable std::int64_t pose_checks_ = 0;

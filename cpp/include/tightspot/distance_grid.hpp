@@ -30,6 +30,9 @@ public:
         push(start, 0.0F);
     }
 
+    /// Whether the disc can get from `q` to the target at all, as far as the grid can tell. If not, nor can the body.
+    bool is_connected(Point q) { return std::isfinite(lower_bound(q)); }
+
     /// A lower bound (up to 3 %) of the way from `q` to the target in m; infinite if there is none.
     double lower_bound(Point q) {
         const int index = grid_.index(q);

@@ -29,13 +29,14 @@ struct SearchOptions {
     double heuristic_weight = 1.0;
     bool backward = true;            ///< from the goal outwards
     int max_words = 10;              ///< Reeds-Shepp words tried at a node
-    double improve = 0.5;            ///< go on after the first path for this part of the expansions it took
+    int extra_expansions = 1000;     ///< go on after the first path for that many, or half of those it took
     int max_expansions = 100000;
     double time_limit = 10.0;        ///< s
     bool keep_closed = false;        ///< also return the poses expanded
 };
 
-enum class Outcome { found, exhausted, expansion_limit, time_limit, start_blocked, goal_blocked, interrupted };
+/// `disconnected`: not even the body's inscribed disc gets from one end to the other, so there is no path at all.
+enum class Outcome { found, exhausted, disconnected, expansion_limit, time_limit, start_blocked, goal_blocked, interrupted };
 
 struct SearchResult {
     Outcome outcome = Outcome::exhausted;
@@ -60,16 +61,16 @@ public:
           options_(options),
           radius_(1.0 / options.full_curvature),
           time_(options.backward ? -1 : 1),
-          most_nodes_(static_cast<std::size_t>(std::max(1, options.max_expansions)) * 8 + 64),
-          closed_(most_nodes_) {
+          closed_(expected_nodes) {
         const int levels = std::max(3, options.steering_levels | 1);
         for (int i = 0; i < levels; ++i)
             curvatures_.push_back(options.full_curvature * (2.0 * i / (levels - 1) - 1.0));
         cells_.origin = Box(checker.workspace().vertices).low;
         cells_.size = options.cell;
         cells_.heading_bins = options.heading_bins;
-        nodes_.reserve(most_nodes_);
-        open_.reserve(2 * most_nodes_);
+        nodes_.reserve(expected_nodes);
+        open_.reserve(2 * expected_nodes);
+        words_.reserve(64);
     }
 
     SearchResult run(const Pose& start, const Pose& goal, const Interrupt& interrupt = {}) {
@@ -79,7 +80,7 @@ public:
         if (!is_blocked(start, Outcome::start_blocked, result) && !is_blocked(goal, Outcome::goal_blocked, result)) {
             const Pose& root = options_.backward ? goal : start;
             target_ = options_.backward ? start : goal;
-            DistanceGrid grid(checker_, {target_.x, target_.y}, std::max(0.25, options_.cell));
+            DistanceGrid grid(checker_, {target_.x, target_.y}, std::max(options_.cell, 0.12 * checker_.footprint().narrowest));
             result.outcome = search(root, grid, began, interrupt, result);
             if (best_node_ >= 0) result.arcs = path();
             result.cost = best_cost_;
@@ -130,6 +131,7 @@ private:
 
     Outcome search(const Pose& root, DistanceGrid& grid, Clock::time_point began, const Interrupt& interrupt,
                    SearchResult& result) {
+        if (!grid.is_connected({root.x, root.y})) return Outcome::disconnected;
         add({root, {}, 0.0, 0.0, checker_.slack(root), cells_.key(root, 0), -1, 0, false}, grid);
         while (!open_.empty()) {
             const Entry entry = pop();
@@ -137,7 +139,7 @@ private:
             if (closed_.find(nodes_[index].cell) != index) continue;
             if (!nodes_[index].is_refined && refine(index, entry.total)) continue;
             if (entry.total >= best_cost_) return Outcome::found;
-            if (result.expansions >= expansion_limit_ || nodes_.size() + 64 > most_nodes_)
+            if (result.expansions >= expansion_limit_)
                 return best_node_ >= 0 ? Outcome::found : Outcome::expansion_limit;
             if (result.expansions % 128 == 127) {
                 if (interrupt && interrupt()) return Outcome::interrupted;
@@ -179,7 +181,7 @@ private:
 
     void expand(int index, DistanceGrid& grid) {
         const Node from = nodes_[index];
-        const double length = from.slack > open_space ? 2.0 * options_.step : options_.step;
+        const double length = from.slack > open_space * checker_.horizon() ? 2.0 * options_.step : options_.step;
         for (int sign = 1; sign >= -1; sign -= 2) {
             for (const double curvature : curvatures_) {
                 const Arc arc{sign * length, curvature};
@@ -221,7 +223,7 @@ private:
         for (std::size_t i = 0; i < tried; ++i) {
             if (!word_is_free(node, words_[i].word)) continue;
             if (best_node_ < 0) {
-                const auto extra = static_cast<std::int64_t>(options_.improve * static_cast<double>(expansions)) + 20;
+                const std::int64_t extra = std::max<std::int64_t>(options_.extra_expansions, expansions / 2);
                 expansion_limit_ = std::min<std::int64_t>(options_.max_expansions, expansions + extra);
             }
             best_node_ = index;
@@ -263,21 +265,22 @@ private:
         return entry;
     }
 
-    /// Beyond this slack (m) arcs are twice as long.
-    static constexpr double open_space = 1.0;
+    /// Beyond this part of the largest slack, arcs are twice as long.
+    static constexpr double open_space = 0.65;
+    /// Memory taken beforehand; only a longer search asks for more.
+    static constexpr std::size_t expected_nodes = 1U << 14U;
 
     const CollisionChecker& checker_;
     SearchOptions options_;
     double radius_;
     int time_;  ///< -1 if the search runs against the vehicle's motion
-    std::size_t most_nodes_;
     std::vector<double> curvatures_;
     PoseCells cells_;
     Pose target_;
     std::vector<Node> nodes_;
     std::vector<Entry> open_;
     ClosedSet closed_;
-    std::vector<PricedWord> words_ = [] { std::vector<PricedWord> words; words.reserve(64); return words; }();
+    std::vector<PricedWord> words_;
     std::int64_t expansion_limit_ = options_.max_expansions;
     std::int64_t next_connection_ = 0;
     double nearest_left_ = HUGE_VAL;

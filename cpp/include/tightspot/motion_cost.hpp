@@ -32,6 +32,9 @@ struct MotionCost {
         return way * (1.0 + steering * turned) + steering_change * swung + (changes ? gear_change : 0.0);
     }
 
+    /// Turning the wheels back to straight at the end.
+    double stop(const Motion& before) const { return steering_change * std::abs(before.curvature) / full_curvature; }
+
     /// Cost of the way, its gear changes and its steering, up to a standstill with straight wheels.
     double path(const std::vector<Arc>& arcs, Motion motion = {}) const {
         double sum = 0.0;
@@ -39,7 +42,7 @@ struct MotionCost {
             sum += step(motion, arc);
             motion = {gear(arc), arc.curvature};
         }
-        return sum + steering_change * std::abs(motion.curvature) / full_curvature;
+        return sum + stop(motion);
     }
 
     /// The same for a word; `time` is -1 if the word is driven from its end to its start.
@@ -52,7 +55,7 @@ struct MotionCost {
             sum += step(motion, arc);
             motion = {gear(arc), arc.curvature};
         }
-        return sum + steering_change * std::abs(motion.curvature) / full_curvature;
+        return sum + stop(motion);
     }
 
     /// A word's way and gear changes without its steering.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <vector>
 
 #include "tightspot/pose.hpp"
@@ -42,14 +43,51 @@ constexpr double slack = 1e-10;
 inline bool nonnegative(double value) { return value >= -slack; }
 inline bool nonpositive(double value) { return value <= slack; }
 
-/// The goal pose in the start's frame, in turning radii, with the trigonometry that all equations share.
-struct Goal {
-    double x, y, phi, sin_phi, cos_phi;
+/// Angles here are sums of a few principal values, so one turn more or less suffices mostly.
+inline double wrapped(double angle) {
+    while (angle > pi) angle -= 2.0 * pi;
+    while (angle < -pi) angle += 2.0 * pi;
+    return angle;
+}
 
-    Goal time_flipped() const { return {-x, y, -phi, -sin_phi, cos_phi}; }
-    Goal reflected() const { return {x, -y, -phi, -sin_phi, cos_phi}; }
-    /// The goal of the path driven in the opposite order.
-    Goal backwards() const { return {x * cos_phi + y * sin_phi, x * sin_phi - y * cos_phi, phi, sin_phi, cos_phi}; }
+/// A vector from one circle's centre to another's, in polar coordinates. If the circles do not overlap, they have an
+/// inner tangent of length `tangent` that leaves the vector by the angle `slant`; otherwise both are NaN.
+struct Offset {
+    double radius, angle, tangent, slant;
+
+    Offset(double x, double y)
+        : radius(std::sqrt(x * x + y * y)),
+          angle(std::atan2(y, x)),
+          tangent(radius >= 2.0 ? std::sqrt(radius * radius - 4.0) : std::nan("")),
+          slant(radius >= 2.0 ? std::atan2(2.0, tangent) : std::nan("")) {}
+
+    bool has_tangent() const { return radius >= 2.0; }
+
+    /// The vector (-x, y).
+    Offset mirrored() const {
+        Offset image = *this;
+        image.angle = std::copysign(pi, angle) - angle;
+        return image;
+    }
+};
+
+/// What the equations need of a goal pose (x, y, phi), in turning radii and seen from the start: where the centre of
+/// its left circle (`same`) and of its right circle (`cross`) lie, seen from the centre of the start's left circle.
+struct Goal {
+    double phi;
+    Offset same, cross;
+
+    Goal(double x, double y, double heading, double sine, double cosine)
+        : phi(heading), same(x - sine, y - 1.0 + cosine), cross(x + sine, y - 1.0 - cosine) {}
+
+    /// The goal (-x, y, -phi): the same path driven with the gears exchanged.
+    Goal time_flipped() const {
+        Goal flipped = *this;
+        flipped.phi = -phi;
+        flipped.same = same.mirrored();
+        flipped.cross = cross.mirrored();
+        return flipped;
+    }
 };
 
 /// The unknown lengths of one equation.
@@ -57,100 +95,81 @@ struct Lengths {
     double t, u, v;
 };
 
-struct Polar {
-    double radius, angle;
-};
-
-inline Polar polar(double x, double y) { return {std::sqrt(x * x + y * y), std::atan2(y, x)}; }
-
 using Equation = bool (*)(const Goal&, Lengths&);
 
 /// (8.1) L+ S+ L+
 inline bool lsl(const Goal& goal, Lengths& out) {
-    const Polar p = polar(goal.x - goal.sin_phi, goal.y - 1.0 + goal.cos_phi);
-    out = {p.angle, p.radius, wrap_angle(goal.phi - p.angle)};
+    out = {goal.same.angle, goal.same.radius, wrapped(goal.phi - goal.same.angle)};
     return nonnegative(out.t) && nonnegative(out.v);
 }
 
 /// (8.2) L+ S+ R+
 inline bool lsr(const Goal& goal, Lengths& out) {
-    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
-    const double square = xi * xi + eta * eta;
-    if (square < 4.0) return false;
-    const double u = std::sqrt(square - 4.0);
-    const double t = wrap_angle(std::atan2(eta, xi) + std::atan2(2.0, u));
-    out = {t, u, wrap_angle(t - goal.phi)};
+    if (!goal.cross.has_tangent()) return false;
+    const double t = wrapped(goal.cross.angle + goal.cross.slant);
+    out = {t, goal.cross.tangent, wrapped(t - goal.phi)};
     return nonnegative(out.t) && nonnegative(out.v);
 }
 
 /// (8.3), (8.4) L+ R- L, the last either way
 inline bool lrl(const Goal& goal, Lengths& out) {
-    const Polar p = polar(goal.x - goal.sin_phi, goal.y - 1.0 + goal.cos_phi);
-    if (p.radius > 4.0) return false;
-    const double u = -2.0 * std::asin(0.25 * p.radius);
-    const double t = wrap_angle(p.angle + 0.5 * u + pi);
-    out = {t, u, wrap_angle(goal.phi - t + u)};
+    if (goal.same.radius > 4.0) return false;
+    const double u = -2.0 * std::asin(0.25 * goal.same.radius);
+    const double t = wrapped(goal.same.angle + 0.5 * u + pi);
+    out = {t, u, wrapped(goal.phi - t + u)};
     return nonnegative(out.t) && nonpositive(out.u);
 }
 
 /// The outer angles of the four-arc words.
-inline void outer_angles(double u, double v, double xi, double eta, double phi, double& tau, double& omega) {
-    const double delta = wrap_angle(u - v);
+inline void outer_angles(double u, double v, const Goal& goal, double& tau, double& omega) {
+    const double delta = wrapped(u - v);
     const double a = std::sin(u) - std::sin(delta), b = std::cos(u) - std::cos(delta) - 1.0;
-    const double angle = std::atan2(eta * a - xi * b, xi * a + eta * b);
+    const double angle = goal.cross.angle - std::atan2(b, a);
     const double sign = 2.0 * (std::cos(delta) - std::cos(v) - std::cos(u)) + 3.0;
-    tau = wrap_angle(sign < 0.0 ? angle + pi : angle);
-    omega = wrap_angle(tau - u + v - phi);
+    tau = wrapped(sign < 0.0 ? angle + pi : angle);
+    omega = wrapped(tau - u + v - goal.phi);
 }
 
 /// (8.7) L+ R+u L-u R-
 inline bool lrlr_mirrored(const Goal& goal, Lengths& out) {
-    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
-    const double rho = 0.25 * (2.0 + std::sqrt(xi * xi + eta * eta));
+    const double rho = 0.25 * (2.0 + goal.cross.radius);
     if (rho > 1.0) return false;
     out.u = std::acos(rho);
-    outer_angles(out.u, -out.u, xi, eta, goal.phi, out.t, out.v);
+    outer_angles(out.u, -out.u, goal, out.t, out.v);
     return nonnegative(out.t) && nonpositive(out.v);
 }
 
 /// (8.8) L+ R-u L-u R+
 inline bool lrlr_repeated(const Goal& goal, Lengths& out) {
-    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
-    const double rho = (20.0 - xi * xi - eta * eta) / 16.0;
+    const double rho = (20.0 - goal.cross.radius * goal.cross.radius) / 16.0;
     if (rho < 0.0 || rho > 1.0) return false;
     out.u = -std::acos(rho);
-    outer_angles(out.u, out.u, xi, eta, goal.phi, out.t, out.v);
+    outer_angles(out.u, out.u, goal, out.t, out.v);
     return nonnegative(out.t) && nonnegative(out.v);
 }
 
 /// (8.9) L+ R-(pi/2) S- L-
 inline bool lrsl(const Goal& goal, Lengths& out) {
-    const Polar p = polar(goal.x - goal.sin_phi, goal.y - 1.0 + goal.cos_phi);
-    if (p.radius < 2.0) return false;
-    const double r = std::sqrt(p.radius * p.radius - 4.0);
-    const double t = wrap_angle(p.angle + std::atan2(r, -2.0));
-    out = {t, 2.0 - r, wrap_angle(goal.phi - 0.5 * pi - t)};
+    if (!goal.same.has_tangent()) return false;
+    const double t = wrapped(goal.same.angle + 0.5 * pi + goal.same.slant);
+    out = {t, 2.0 - goal.same.tangent, wrapped(goal.phi - 0.5 * pi - t)};
     return nonnegative(out.t) && nonpositive(out.u) && nonpositive(out.v);
 }
 
 /// (8.10) L+ R-(pi/2) S- R-
 inline bool lrsr(const Goal& goal, Lengths& out) {
-    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
-    const Polar p = polar(-eta, xi);
-    if (p.radius < 2.0) return false;
-    out = {p.angle, 2.0 - p.radius, wrap_angle(p.angle + 0.5 * pi - goal.phi)};
+    if (goal.cross.radius < 2.0) return false;
+    const double t = wrapped(goal.cross.angle + 0.5 * pi);
+    out = {t, 2.0 - goal.cross.radius, wrapped(t + 0.5 * pi - goal.phi)};
     return nonnegative(out.t) && nonpositive(out.u) && nonpositive(out.v);
 }
 
 /// (8.11) L+ R-(pi/2) S- L-(pi/2) R+
 inline bool lrslr(const Goal& goal, Lengths& out) {
-    const double xi = goal.x + goal.sin_phi, eta = goal.y - 1.0 - goal.cos_phi;
-    const double square = xi * xi + eta * eta;
-    if (square < 4.0) return false;
-    const double u = 4.0 - std::sqrt(square - 4.0);
+    const double u = 4.0 - goal.cross.tangent;
     if (!nonpositive(u)) return false;
-    const double t = wrap_angle(std::atan2((4.0 - u) * xi - 2.0 * eta, -2.0 * xi + (u - 4.0) * eta));
-    out = {t, u, wrap_angle(t - goal.phi)};
+    const double t = wrapped(goal.cross.angle + 0.5 * pi + goal.cross.slant);
+    out = {t, u, wrapped(t - goal.phi)};
     return nonnegative(out.t) && nonnegative(out.v);
 }
 
@@ -209,18 +228,20 @@ inline Word assemble(const Family& family, const Lengths& lengths, bool flipped,
 /// Calls `visit(const Word&)` with every word that leads from the origin to `goal` (m, rad).
 template <class Visit>
 void for_each_word(const Pose& goal, double radius, Visit&& visit) {
-    const double phi = wrap_angle(goal.theta);
-    const detail::Goal ahead{goal.x / radius, goal.y / radius, phi, std::sin(phi), std::cos(phi)};
-    const detail::Goal behind = ahead.backwards();
+    const double x = goal.x / radius, y = goal.y / radius, phi = wrap_angle(goal.theta);
+    const double s = std::sin(phi), c = std::cos(phi);
     detail::Lengths lengths{};
-    for (const detail::Family& family : detail::families) {
-        for (int opposite = 0; opposite <= (family.has_opposite_order ? 1 : 0); ++opposite) {
-            for (int symmetry = 0; symmetry < 4; ++symmetry) {
-                const bool flipped = (symmetry & 1) != 0, reflected = (symmetry & 2) != 0;
-                detail::Goal target = opposite ? behind : ahead;
-                if (flipped) target = target.time_flipped();
-                if (reflected) target = target.reflected();
-                if (family.equation(target, lengths)) visit(detail::assemble(family, lengths, flipped, reflected, opposite != 0));
+    for (const bool opposite : {false, true}) {
+        const double ahead = opposite ? x * c + y * s : x;
+        const double aside = opposite ? x * s - y * c : y;
+        for (const bool reflected : {false, true}) {
+            const detail::Goal direct = reflected ? detail::Goal(ahead, -aside, -phi, -s, c) : detail::Goal(ahead, aside, phi, s, c);
+            for (const bool flipped : {false, true}) {
+                const detail::Goal target = flipped ? direct.time_flipped() : direct;
+                for (const detail::Family& family : detail::families) {
+                    if (opposite && !family.has_opposite_order) continue;
+                    if (family.equation(target, lengths)) visit(detail::assemble(family, lengths, flipped, reflected, opposite));
+                }
             }
         }
     }

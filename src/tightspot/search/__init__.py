@@ -1,7 +1,7 @@
 """Paths without times: Reeds-Shepp curves and hybrid A* over the compiled core."""
 
 from tightspot.search.hybrid_astar import Car, search
-from tightspot.search.options import COARSE, FINE, MEDIUM, Direction, HybridAStarOptions, Resolution
+from tightspot.search.options import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, Resolution
 from tightspot.search.path import Path
 from tightspot.search.reeds_shepp import ReedsSheppPath, Segment, all_paths, shortest_path
 from tightspot.search.result import Attempt, SearchResult, SearchStatus
@@ -9,6 +9,7 @@ from tightspot.search.result import Attempt, SearchResult, SearchStatus
 __all__ = [
     "COARSE",
     "FINE",
+    "FINEST",
     "MEDIUM",
     "Attempt",
     "Car",

@@ -13,10 +13,11 @@ from tightspot.errors import InputError, Problem
 
 
 class Direction(Enum):
-    """At which end a search begins."""
+    """At which end a search begins; the value says so."""
 
     BACKWARD = "from the goal outwards"
     FORWARD = "from the start onwards"
+    TIGHT_END = "from the tighter end"
 
 
 @dataclass(frozen=True)
@@ -40,18 +41,21 @@ class Resolution:
 
 COARSE = Resolution("coarse", cell=0.2, heading_bins=72, step=0.3, max_expansions=30_000)
 MEDIUM = Resolution("medium", cell=0.1, heading_bins=108, step=0.18, max_expansions=100_000)
-FINE = Resolution("fine", cell=0.05, heading_bins=180, step=0.1, max_expansions=300_000)
+FINE = Resolution("fine", cell=0.05, heading_bins=180, step=0.1, max_expansions=200_000)
+FINEST = Resolution("finest", cell=0.025, heading_bins=360, step=0.05, max_expansions=200_000)
 
 
 @dataclass(frozen=True)
 class HybridAStarOptions:
-    """What a path costs, how closely to look, and when to give up. Costs are in metres of straight driving forwards.
+    """What a path costs, how closely to look, and when to give up.
+
+    Costs are in metres of straight driving forwards.
 
     Attributes:
         resolutions: Tried in this order, each with every margin.
-        margins: Demanded clearance to obstacles, m, tried in this order. A path with a larger margin makes a better
-            guess, so begin with the larger.
-        directions: Ends to begin at. From the tight end, usually the goal, is several times faster.
+        margins: Demanded clearance to obstacles, m, tried in this order. A path with a larger margin makes
+            a better guess, so begin with the larger.
+        directions: Ends to begin at. From the end with less room, usually the goal, is several times faster.
         curvature_factor: Largest curvature used, relative to the vehicle's.
         gear_change: Cost of changing between forwards and reverse.
         reverse: Factor on the way driven in reverse.
@@ -60,7 +64,8 @@ class HybridAStarOptions:
         steering_levels: Curvatures tried at each pose from full left to full right; odd, at least 5.
         heuristic_weight: 1 for the best path the resolution allows, more for an earlier one.
         max_words: Reeds-Shepp curves tried from a pose, cheapest first.
-        improve: After the first path, go on for this part of the expansions it took.
+        extra_expansions: After the first path, look for a better one for so many expansions, or half of
+            those the first took if these are more.
         shortcuts: Replace stretches of the path by cheaper Reeds-Shepp curves afterwards.
         max_expansions: Upper limit for every attempt.
         time_limit: For all attempts together, s.
@@ -71,9 +76,9 @@ class HybridAStarOptions:
         InputError: A number is outside its range; all such are named.
     """
 
-    resolutions: tuple[Resolution, ...] = (COARSE, MEDIUM, FINE)
+    resolutions: tuple[Resolution, ...] = (COARSE, MEDIUM, FINE, FINEST)
     margins: tuple[float, ...] = (0.1, 0.05, 0.02)
-    directions: tuple[Direction, ...] = (Direction.BACKWARD,)
+    directions: tuple[Direction, ...] = (Direction.TIGHT_END,)
     curvature_factor: float = 0.95
     gear_change: float = 2.0
     reverse: float = 1.0
@@ -82,7 +87,7 @@ class HybridAStarOptions:
     steering_levels: int = 5
     heuristic_weight: float = 1.0
     max_words: int = 10
-    improve: float = 0.5
+    extra_expansions: int = 1000
     shortcuts: bool = True
     max_expansions: int = 300_000
     time_limit: float = 20.0
@@ -105,7 +110,10 @@ def _is_at_least(low: float) -> Callable[[Any], bool]:
 
 _RANGES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "resolutions": (lambda given: len(given) > 0, "at least one Resolution"),
-    "margins": (lambda given: len(given) > 0 and all(map(_is_at_least(0), given)), "distances in m, none negative"),
+    "margins": (
+        lambda given: len(given) > 0 and all(map(_is_at_least(0), given)),
+        "distances of 0 m or more",
+    ),
     "directions": (lambda given: len(given) > 0, "at least one Direction"),
     "curvature_factor": (lambda given: 0 < given <= 1, "above 0 and at most 1"),
     "gear_change": (_is_at_least(0), "a cost of 0 or more"),
@@ -115,7 +123,7 @@ _RANGES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "steering_levels": (lambda given: given >= 5 and given % 2 == 1, "an odd number, 5 or more"),
     "heuristic_weight": (_is_at_least(1), "1 or more"),
     "max_words": (_is_at_least(1), "1 or more"),
-    "improve": (_is_at_least(0), "0 or more"),
+    "extra_expansions": (_is_at_least(0), "0 or more"),
     "max_expansions": (_is_at_least(1), "1 or more"),
     "time_limit": (lambda given: given > 0, "a positive number of seconds"),
     "spacing": (lambda given: bool(np.isfinite(given) and given > 0), "a positive distance in m"),

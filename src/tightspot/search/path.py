@@ -20,8 +20,8 @@ class Path:
     Attributes:
         poses: (x m, y m, theta rad) of the rear-axle midpoint along the path, shape (n, 3). The heading is
             continuous: it is not wrapped, and the last equals the goal's modulo 2 pi.
-        curvature: Of the arc that leads to each pose, 1/m, positive to the left, shape (n,); the first entry is
-            that of the first arc.
+        curvature: Of the arc that leads to each pose, 1/m, positive to the left, shape (n,); the first entry
+            is that of the first arc.
         gear: +1 or -1 of the arc that leads to each pose, shape (n,).
         arcs: Signed length (negative in reverse) in m and curvature in 1/m of each arc, shape (m, 2).
     """
@@ -42,15 +42,17 @@ class Path:
         return int(np.count_nonzero(np.diff(np.sign(self.arcs[:, 0]))))
 
     @classmethod
-    def from_arcs(cls, start: ArrayLike, arcs: ArrayLike, spacing: float = 0.1, goal: ArrayLike | None = None) -> Path:
+    def from_arcs(
+        cls, start: ArrayLike, arcs: ArrayLike, spacing: float = 0.1, goal: ArrayLike | None = None
+    ) -> Path:
         """Samples of the arcs driven one after the other from ``start``, at most ``spacing`` m apart.
 
         Args:
             start: Pose, shape (3,).
             arcs: Signed lengths and curvatures, shape (m, 2).
             spacing: m; the ends of every arc are among the samples.
-            goal: Pose that the arcs are known to reach; the last sample is set to it exactly (its heading to the
-                equivalent angle nearest the path's), which removes rounding.
+            goal: Pose that the arcs are known to reach; the last sample is set to it exactly (its heading to
+                the equivalent angle nearest the path's), which removes rounding.
         """
         if not (np.isfinite(spacing) and spacing > 0):
             raise InputError(Problem("spacing", f"{spacing} m must be a positive, finite distance"))
@@ -67,5 +69,7 @@ def pose_of(value: ArrayLike, name: str) -> Array:
     """Three finite numbers as an array; raises :class:`InputError` naming the argument."""
     pose = np.ascontiguousarray(value, dtype=float)
     if pose.shape != (3,) or not np.isfinite(pose).all():
-        raise InputError(Problem(name, f"{value} is not a pose; give three finite numbers (x m, y m, theta rad)"))
+        raise InputError(
+            Problem(name, f"{value!r} is not a pose; give three finite numbers (x m, y m, theta rad)")
+        )
     return pose

@@ -89,7 +89,10 @@ def shortest_path(start: ArrayLike, goal: ArrayLike, radius: float) -> ReedsShep
 
 
 def all_paths(start: ArrayLike, goal: ArrayLike, radius: float) -> tuple[ReedsSheppPath, ...]:
-    """Every Reeds-Shepp word that joins the two poses, shortest first, each once; see :func:`shortest_path`."""
+    """Every Reeds-Shepp word that joins the two poses, shortest first, each once.
+
+    Arguments and errors as for :func:`shortest_path`.
+    """
     start, goal, radius = _checked(start, goal, radius)
     words = compiled_core().reeds_shepp_all(start, goal, radius)
     return tuple(_path(start, goal, radius, kinds, lengths) for kinds, lengths in words)
@@ -97,7 +100,9 @@ def all_paths(start: ArrayLike, goal: ArrayLike, radius: float) -> tuple[ReedsSh
 
 def _checked(start: ArrayLike, goal: ArrayLike, radius: float) -> tuple[Array, Array, float]:
     if not (np.isfinite(radius) and radius > 0):
-        raise InputError(Problem("radius", f"{radius} m is not a turning radius; give a positive, finite length"))
+        raise InputError(
+            Problem("radius", f"{radius} m is not a turning radius; give a positive, finite length")
+        )
     return pose_of(start, "start"), pose_of(goal, "goal"), float(radius)
 
 

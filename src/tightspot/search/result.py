@@ -5,20 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tightspot.search.options import Direction, Resolution
-from tightspot.search.path import Path
-
-Array = NDArray[np.float64]
+from tightspot.search.path import Array, Path
 
 
 class SearchStatus(Enum):
     """How a search ended; the value is the sentence that says so."""
 
     FOUND = "A path was found."
-    EXHAUSTED = "There is no path within the search's resolution: everything that can be reached was looked at."
+    EXHAUSTED = "There is no path within the search's resolution: all that can be reached was looked at."
     LIMIT_REACHED = "No path was found before the limit on expansions was reached; there may be one."
     TIME_LIMIT = "No path was found before the time limit; there may be one."
     START_BLOCKED = "The start pose does not keep the margin, so no path can begin there."
@@ -39,12 +34,14 @@ class Attempt:
         margin: Demanded clearance to obstacles, m.
         direction: The end it began at.
         outcome: How it ended.
+        is_final: No resolution can find a path with this margin: start or goal is blocked, or not even the
+            largest disc in the body about the rear-axle midpoint can get from one to the other.
         expansions: Poses from which arcs were tried.
         nodes: Poses reached.
-        pose_checks: Collision checks of a body at a pose.
-        pair_tests: Tests of a body against one obstacle, after the broad phase.
+        pose_checks: Collision checks of the body at a pose.
+        pair_tests: Tests of the body against one obstacle that the broad phase let through.
         seconds: Wall time.
-        cost: Of the path found, before shortcuts are taken out of it no cheaper than after; ``None`` without path.
+        cost: Of the path found, else ``None``.
         blocking: If start or goal was blocked: index of the obstacle, or -1 for the workspace.
         clearance: If start or goal was blocked: signed distance to that, m (negative: overlap).
     """
@@ -53,6 +50,7 @@ class Attempt:
     margin: float
     direction: Direction
     outcome: SearchStatus
+    is_final: bool
     expansions: int
     nodes: int
     pose_checks: int
@@ -63,12 +61,16 @@ class Attempt:
     clearance: float | None = None
 
     def describe(self) -> str:
-        """One line: what was tried and how it ended."""
-        tried = f"{self.resolution.name}, margin {self.margin:g} m, {self.direction.value}"
+        """What was tried and how it ended, in a line."""
+        tried = f"margin {self.margin:g} m"
         if self.blocking is not None:
             what = "the workspace's border" if self.blocking < 0 else f"obstacle {self.blocking}"
-            return f"{tried}: {self.outcome.name.lower()} by {what} (clearance {self.clearance:.3f} m)"
-        return f"{tried}: {self.outcome.name.lower()} after {self.expansions} expansions, {self.seconds:.2f} s"
+            end = "start" if self.outcome is SearchStatus.START_BLOCKED else "goal"
+            return f"{tried}: {end} blocked by {what} (clearance {self.clearance:.3f} m)"
+        if self.is_final:
+            return f"{tried}: proven, not even a disc in the body gets from one end to the other"
+        how = f"{self.outcome.name.lower().replace('_', ' ')} after {self.expansions} expansions"
+        return f"{tried}, {self.resolution.name}, {self.direction.value}: {how}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,11 @@ class SearchResult:
     closed_poses: Array
 
     @property
+    def is_proof(self) -> bool:
+        """Whether it is certain that no path keeps any of the margins, at whatever resolution."""
+        return all(attempt.is_final for attempt in self.attempts)
+
+    @property
     def expansions(self) -> int:
         """Of all attempts."""
         return sum(attempt.expansions for attempt in self.attempts)
@@ -98,11 +105,14 @@ class SearchResult:
         return sum(attempt.seconds for attempt in self.attempts)
 
     def explain(self) -> str:
-        """The status in a sentence and, without a path, what was tried."""
+        """The status in a sentence; with a path its figures, without one what was tried."""
         if self.path is not None:
             return (
-                f"{self.status.sentence} {self.path.length:.1f} m with {self.path.gear_changes} gear changes, "
-                f"margin {self.attempts[-1].margin:g} m, {self.expansions} expansions in {self.seconds * 1e3:.0f} ms."
+                f"{self.status.sentence} It is {self.path.length:.1f} m long with {self.path.gear_changes} gear "
+                f"changes and a margin of {self.attempts[-1].margin:g} m "
+                f"({self.expansions} expansions, {self.seconds * 1e3:.0f} ms)."
             )
+        if self.status in (SearchStatus.START_BLOCKED, SearchStatus.GOAL_BLOCKED):
+            return f"{self.status.sentence} Smallest {self.attempts[-1].describe()}."
         tried = "; ".join(attempt.describe() for attempt in self.attempts)
         return f"{self.status.sentence} Tried: {tried}."
