@@ -54,7 +54,7 @@ def search(
         options: Defaults to :class:`HybridAStarOptions`.
 
     Returns:
-        A result; its ``path`` is ``None`` unless its ``status`` is ``FOUND``, ``attempts`` says what was tried.
+        A result; its ``path`` is ``None`` unless its ``status`` is ``FOUND``; ``attempts`` is what was tried.
 
     Raises:
         InputError: A pose is not three finite numbers, or a body part is not fixed to the rear-axle frame.

@@ -108,8 +108,8 @@ class SearchResult:
         """The status in a sentence; with a path its figures, without one what was tried."""
         if self.path is not None:
             return (
-                f"{self.status.sentence} It is {self.path.length:.1f} m long with {self.path.gear_changes} gear "
-                f"changes and a margin of {self.attempts[-1].margin:g} m "
+                f"{self.status.sentence} It is {self.path.length:.1f} m long with "
+                f"{self.path.gear_changes} gear changes and a margin of {self.attempts[-1].margin:g} m "
                 f"({self.expansions} expansions, {self.seconds * 1e3:.0f} ms)."
             )
         if self.status in (SearchStatus.START_BLOCKED, SearchStatus.GOAL_BLOCKED):
