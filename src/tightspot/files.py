@@ -11,9 +11,9 @@ from pathlib import Path
 def atomic_write(path: str | Path, content: str | bytes) -> None:
     """Write ``content`` to ``path`` completely or not at all.
 
-    The content goes to a temporary file in the same directory, is forced to the disk and renamed over ``path``, which
-    is atomic: a reader finds the old file or the new one. On any failure, an interrupt from the keyboard included, the
-    temporary file is removed and ``path`` is as it was.
+    The content goes to a temporary file in the same directory, is forced to the disk and renamed over
+    ``path``, which is atomic: a reader finds the old file or the new one. On any failure, an interrupt from
+    the keyboard included, the temporary file is removed and ``path`` is as it was.
 
     Args:
         path: Where to; its directory must exist. A symbolic link is written through, not replaced.

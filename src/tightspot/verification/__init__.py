@@ -1,19 +1,41 @@
 """The independent judge: replay, proof for all times, certificate, and the checker that trusts nobody."""
 
 from tightspot.verification.certificate import Certificate, Check, PairProof, Witness, WorkspaceProof
+from tightspot.verification.checker import CheckResult, check_certificate
 from tightspot.verification.checks import Limits
+from tightspot.verification.dense import ClearanceSeries, minimum_clearance
+from tightspot.verification.file_exact import file_exact
 from tightspot.verification.judge import JudgeSettings, verify
+from tightspot.verification.plan_file import (
+    Plan,
+    Verdict,
+    load_plan,
+    save_plan,
+    verify_plan,
+    write_trajectory_csv,
+)
 from tightspot.verification.replay import Replay, replay
 
 __all__ = [
     "Certificate",
     "Check",
+    "CheckResult",
+    "ClearanceSeries",
     "JudgeSettings",
     "Limits",
     "PairProof",
+    "Plan",
     "Replay",
+    "Verdict",
     "Witness",
     "WorkspaceProof",
+    "check_certificate",
+    "file_exact",
+    "load_plan",
+    "minimum_clearance",
     "replay",
+    "save_plan",
     "verify",
+    "verify_plan",
+    "write_trajectory_csv",
 ]

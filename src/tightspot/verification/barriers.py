@@ -30,7 +30,8 @@ class Pairs(Protocol):
         """A good line for each pair with its body part at the vertices (B, n_V, 2).
 
         Returns:
-            Unit normals towards the body (B, 2), the largest n.o over the barrier (B,) and the clearance (B,), m.
+            Unit normals towards the body (B, 2), the largest n.o over the barrier (B,) and the clearance
+            (B,), m.
         """
         ...
 
@@ -40,7 +41,9 @@ class ObstaclePairs:
 
     def __init__(self, parts: int, obstacles: Sequence[ConvexPolygon]) -> None:
         self.part, self.barrier = _product(parts, len(obstacles))
-        self._O = stack_padded([polygon.vertices for polygon in obstacles]) if obstacles else np.zeros((0, 3, 2))
+        self._O = (
+            stack_padded([polygon.vertices for polygon in obstacles]) if obstacles else np.zeros((0, 3, 2))
+        )
 
     def lines(self, pair: Index, vertices: Array) -> tuple[Array, Array, Array]:
         O = self._O[self.barrier[pair]]
@@ -49,7 +52,7 @@ class ObstaclePairs:
 
 
 class WorkspacePairs:
-    """Every body part with every edge of the workspace; the line is the edge, the barrier what lies beyond it."""
+    """Every body part with every edge of the workspace: the barrier is what lies beyond the edge."""
 
     def __init__(self, parts: int, workspace: ConvexPolygon) -> None:
         self.part, self.barrier = _product(parts, workspace.b.size)

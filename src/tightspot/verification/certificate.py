@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import PlanFileError, Problem
-from tightspot.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
@@ -32,8 +31,8 @@ class Witness:
         obstacle: Name of the obstacle part, or ``workspace`` where the body leaves W.
         clearance: Signed distance at that time, m; negative is minus the penetration depth.
         pose: (x, y, theta) of the rear-axle midpoint, m and rad, in the scenario's recentred coordinates.
-        kind: ``collision`` (they overlap), ``margin`` (closer than demanded) or ``undecided`` (closer to the demanded
-            clearance than the integration error can tell).
+        kind: ``collision`` (they overlap), ``margin`` (closer than demanded) or ``undecided`` (closer to the
+            demanded clearance than the integration error can tell).
     """
 
     time: float
@@ -55,8 +54,8 @@ class Witness:
         if self.kind == "collision":
             return f"{self.part} overlaps {self.obstacle} by {self.penetration:.4f} m {where}"
         if self.kind == "margin":
-            return f"{self.part} comes within {self.clearance:.4f} m of {self.obstacle} {where}, closer than the margin"
-        return f"{self.part} is {self.clearance:.9f} m from {self.obstacle} {where}, too near the margin to decide"
+            return f"{self.part} is only {self.clearance:.4f} m from {self.obstacle} {where}"
+        return f"{self.part} is {self.clearance:.9f} m from {self.obstacle} {where}: too near to decide"
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,8 @@ class Check:
         name: For example ``goal position``.
         passed: Whether ``value`` keeps to ``limit``.
         value: What was found.
-        limit: What is allowed: a lower limit for ``obstacles`` and ``workspace``, an upper limit for all others.
+        limit: What is allowed: a lower limit for ``obstacles`` and ``workspace``, an upper limit for all
+            others.
         sentence: The same for people, with units.
     """
 
@@ -82,8 +82,8 @@ class Check:
 class PairProof:
     """Why one body part never comes near one obstacle part.
 
-    During ``[t[i], t[i+1]]`` the obstacle part lies in ``nx[i] x + ny[i] y <= c[i]``, the body part beyond the line,
-    and the two are at least ``clearance[i]`` apart.
+    During ``[t[i], t[i+1]]`` the obstacle part lies in ``nx[i] x + ny[i] y <= c[i]``, the body part beyond
+    the line, and the two are at least ``clearance[i]`` apart.
 
     Attributes:
         part: Name of the body part.
@@ -151,7 +151,8 @@ class Certificate:
     Attributes:
         certified: Whether every check passed.
         margin: Demanded clearance, m.
-        clearance: Proved lower bound of the clearance over all pairs and times, m; infinite without obstacles.
+        clearance: Proved lower bound of the clearance over all pairs and times, m; infinite without
+            obstacles.
         witnesses: Worst moment of every pair without proof, the worst first; empty if certified.
         checks: Everything that was checked, in a fixed order.
         pairs: The proof for obstacles, body parts in order, and for each the obstacle parts in order.
@@ -187,7 +188,9 @@ class Certificate:
     @property
     def intervals(self) -> int:
         """Number of lines in the proof, those of the workspace included."""
-        return sum(proof.clearance.size for proof in (*self.pairs, *self.workspace))
+        return sum(proof.t.size - 1 for proof in self.pairs) + sum(
+            proof.t.size - 1 for proof in self.workspace
+        )
 
     def check(self, name: str) -> Check:
         """The check of that name; raises ``KeyError`` if it was not made (a free goal speed, for example)."""
@@ -199,16 +202,25 @@ class Certificate:
     def summary(self) -> list[str]:
         """Lines for people."""
         if self.certified:
-            shown = "there is nothing to touch" if math.isinf(self.clearance) else f"clearance >= {self.clearance:.4f} m"
+            shown = (
+                "there is nothing to touch"
+                if math.isinf(self.clearance)
+                else f"clearance >= {self.clearance:.4f} m"
+            )
             head = f"certified for all times: {shown} (demanded {self.margin:.4f} m)"
         else:
             head = f"NOT certified (demanded clearance {self.margin:.4f} m)"
-        lines = [head, *(f"{'ok' if check.passed else 'FAILED':6s} {check.sentence}" for check in self.checks)]
+        lines = [
+            head,
+            *(f"{'ok' if check.passed else 'FAILED':6s} {check.sentence}" for check in self.checks),
+        ]
         lines += [f"witness: {witness}" for witness in self.witnesses[:5]]
         if len(self.witnesses) > 5:
             lines.append(f"and {len(self.witnesses) - 5} more pairs")
         if self.certified:
-            lines.append(f"proof: {self.intervals} lines for {len(self.pairs)} pairs, digest {self.digest[:16]}")
+            lines.append(
+                f"proof: {self.intervals} lines for {len(self.pairs)} pairs, digest {self.digest[:16]}"
+            )
         return lines
 
     def to_dict(self) -> dict[str, Any]:
@@ -243,12 +255,16 @@ class Certificate:
 
 
 def digest(
-    scenario: Mapping[str, Any], vehicle: Mapping[str, Any], trajectory: Mapping[str, Any], certificate: Mapping[str, Any]
+    scenario: Mapping[str, Any],
+    vehicle: Mapping[str, Any],
+    trajectory: Mapping[str, Any],
+    certificate: Mapping[str, Any],
 ) -> str:
     """SHA-256 in hexadecimal over the four objects of a plan file, the certificate without its ``digest``.
 
-    They are written as one JSON object with keys ``scenario``, ``vehicle``, ``trajectory``, ``certificate``, all keys
-    sorted, no spaces, non-ASCII characters escaped, numbers as the shortest decimal that reads back as the same double.
+    They are written as one JSON object with keys ``scenario``, ``vehicle``, ``trajectory``, ``certificate``,
+    all keys sorted, no spaces, non-ASCII characters escaped, numbers as the shortest decimal that reads back
+    as the same double.
     """
     bare = {key: value for key, value in certificate.items() if key != "digest"}
     whole = {"scenario": scenario, "vehicle": vehicle, "trajectory": trajectory, "certificate": bare}
@@ -257,19 +273,6 @@ def digest(
     except ValueError as error:
         raise PlanFileError(Problem("", f"cannot be written as JSON: {error}")) from None
     return hashlib.sha256(text.encode("ascii")).hexdigest()
-
-
-def file_exact(trajectory: Trajectory, offset: tuple[float, float]) -> Trajectory:
-    """The trajectory that a plan file gives back: x and y rounded as writing them with ``offset`` added does.
-
-    Doubles near 4.5e9 m are a micrometre apart. What is judged must be what the file says, so the judge rounds first.
-    """
-    for _ in range(8):
-        rounded = trajectory.shifted(offset).shifted([-offset[0], -offset[1]])
-        if np.array_equal(rounded.states, trajectory.states):
-            break
-        trajectory = rounded
-    return trajectory
 
 
 def package_version() -> str:
@@ -286,4 +289,6 @@ def _finite(value: float) -> float | None:
 
 def _plain(record: Any) -> dict[str, Any]:
     values = {field.name: getattr(record, field.name) for field in fields(record)}
-    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
+    return {
+        name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()
+    }

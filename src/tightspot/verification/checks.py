@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.scenarios import Scenario
 from tightspot.verification.certificate import Check
 from tightspot.verification.replay import Replay
-
-if TYPE_CHECKING:
-    from tightspot.scenarios import Scenario
 
 Array = NDArray[np.float64]
 
@@ -35,8 +32,8 @@ class Limits:
     start: float = 1e-6
 
 
-# Name of the check, the state it is about, its unit.
-_ANGLES_AND_RATES = (("heading", "theta", "rad"), ("speed", "v", "m/s"), ("steering", "delta", "rad"))
+# Name of the check, the state it is about and its place in a scenario's start and goal, its unit.
+_SCALARS = (("heading", "theta", 2, "rad"), ("speed", "v", 3, "m/s"), ("steering", "delta", 4, "rad"))
 
 
 def motion_checks(scenario: Scenario, replay: Replay, limits: Limits) -> list[Check]:
@@ -79,7 +76,9 @@ def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
 
 def _start(scenario: Scenario, replay: Replay, limits: Limits) -> Iterator[Check]:
     for group, unit, distance in _distances(replay, replay.node_states[0], scenario.start):
-        yield upper(f"start {group}", distance, limits.start, f"start {group} differs from the scenario's by", unit)
+        yield upper(
+            f"start {group}", distance, limits.start, f"start {group} differs from the scenario's by", unit
+        )
 
 
 def _goal(scenario: Scenario, replay: Replay) -> Iterator[Check]:
@@ -93,11 +92,8 @@ def _distances(replay: Replay, state: Array, wanted: Array) -> Iterator[tuple[st
     difference = state[:2] - wanted[:2]
     if not np.isnan(difference).all():
         yield "position", "m", float(np.hypot(*np.nan_to_num(difference)))
-    for group, name, unit in _ANGLES_AND_RATES:
-        if name not in replay.vehicle.state_names:
+    for group, name, place, unit in _SCALARS:
+        if name not in replay.vehicle.state_names or np.isnan(wanted[place]):
             continue
-        column = replay.vehicle.state_names.index(name)
-        gap = float(state[column] - wanted[column])
-        if np.isnan(gap):
-            continue
+        gap = float(state[replay.vehicle.state_names.index(name)] - wanted[place])
         yield group, unit, abs(gap - 2 * np.pi * round(gap / (2 * np.pi))) if name == "theta" else abs(gap)

@@ -1,12 +1,13 @@
 """Covering the horizon with lines: branch and bound over time, for all pairs at once.
 
-Every interval of every pair is one row of an array; a level of the search evaluates all open rows together. First the
-intervals run from knot to knot, from the whole horizon down to single ones, so that a pair that stays apart needs few
-lines; then single intervals are bisected in time.
+Every interval of every pair is one row of an array; a level of the search evaluates all open rows together.
+First the intervals run from knot to knot, from the whole horizon down to single ones, so that a pair that
+stays apart needs few lines; then single intervals are bisected in time.
 
-An interval is closed as soon as the lemma of :mod:`tightspot.verification.motion` bounds its clearance by the pair's
-target from below. The target is the demanded clearance or, to make the proved number a good one, what has been seen
-minus a tolerance. For a pair already seen below the demand, the same search finds its worst moment instead.
+An interval is closed as soon as the lemma of :mod:`tightspot.verification.motion` bounds its clearance by the
+pair's target from below. The target is the demanded clearance or, to make the proved number a good one, what
+has been seen minus a tolerance. For a pair already seen below the demand, the same search finds its worst
+moment instead.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ class Cover:
         end: Their ends, s, shape (M,).
         normal: Unit normals towards the body, shape (M, 2).
         support: Largest n.o over the barrier, m, shape (M,).
-        proved: Lower bound of the clearance on the interval, m, integration error and rounding deducted, shape (M,).
+        proved: Lower bound of the clearance on the interval, m, integration error and rounding deducted,
+            shape (M,).
         holds: Whether each pair is proved to keep the demanded clearance for all times, shape (P,).
         seen: Smallest clearance of each pair at any time looked at, m, shape (P,).
         seen_at: The time of it, s, shape (P,).
@@ -70,7 +72,8 @@ def cover(motion: Motion, pairs: Pairs, demand: float, *, resolution: float, flo
         motion: The replayed motion.
         pairs: What must stay apart.
         demand: Clearance to prove, m.
-        resolution: The proved clearance is raised to within this of the smallest one there is, m, if it is cheap.
+        resolution: The proved clearance is raised to within this of the smallest one there is, m, if it is
+            cheap.
         floor: Intervals shorter than this are given up, s.
     """
     search = _Search(motion, pairs, demand, resolution, floor)
@@ -87,7 +90,7 @@ class _Search:
     demand: float
     resolution: float
     floor: float
-    closed: list[tuple[Index, Array, Array, Array, Array, Array]] = field(default_factory=list)
+    closed: list[tuple[Array | Index, ...]] = field(default_factory=list)
     single: list[tuple[Index, Index]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -112,10 +115,9 @@ class _Search:
         lower = lowest < self.seen
         self.seen, self.seen_at = np.where(lower, lowest, self.seen), np.where(lower, at, self.seen_at)
 
-    def close(
-        self, rows: NDArray[np.bool_], pair: Index, start: Array, end: Array, normal: Array, support: Array, bound: Array
-    ) -> None:
-        self.closed.append((pair[rows], start[rows], end[rows], normal[rows], support[rows], bound[rows]))
+    def close(self, rows: NDArray[np.bool_], *columns: Array | Index) -> None:
+        """Keep the chosen rows of (pair, start, end, normal, support, bound)."""
+        self.closed.append(tuple(column[rows] for column in columns))
 
     def between_knots(self) -> None:
         """Intervals [t_a, t_b], halved until single; what is left goes to ``single``."""
@@ -150,14 +152,17 @@ class _Search:
             between = replay.at(middle)
             normal, support, clearance = self.lines(pair, between)
             self.look(pair, middle, clearance)
-            low = np.minimum(self.motion.lowest(part, before, normal), self.motion.lowest(part, after, normal))
+            low = np.minimum(
+                self.motion.lowest(part, before, normal), self.motion.lowest(part, after, normal)
+            )
             loss = self.motion.loss(part, before, after, replay.trajectory.inputs[k], end - start)
             bound = low - loss - support - self.pad[pair]
             done = (bound >= self.target()[pair]) | self._hopeless(pair, clearance, loss, end - start)
             self.close(done, pair, start, end, normal, support, bound)
             halves = np.concatenate([np.flatnonzero(~done)] * 2)
             first = np.arange(halves.size) < halves.size // 2
-            start, end = np.where(first, start[halves], middle[halves]), np.where(first, middle[halves], end[halves])
+            start = np.where(first, start[halves], middle[halves])
+            end = np.where(first, middle[halves], end[halves])
             before = np.where(first[:, None], before[halves], between[halves])
             after = np.where(first[:, None], between[halves], after[halves])
             pair, k = pair[halves], k[halves]
@@ -173,8 +178,9 @@ class _Search:
         return normal, support, clearance
 
     def result(self) -> Cover:
-        rows = self.closed or [(np.zeros(0, np.intp), *(np.zeros(0) for _ in range(2)), np.zeros((0, 2)), *[np.zeros(0)] * 2)]
-        columns = [np.concatenate(column) for column in zip(*rows, strict=True)]
+        none = np.zeros(0)
+        nothing = (np.zeros(0, dtype=np.intp), none, none, np.zeros((0, 2)), none, none)
+        columns = [np.concatenate(column) for column in zip(nothing, *self.closed, strict=True)]
         order = np.lexsort((columns[1], columns[0]))
         pair, start, end, normal, support, proved = (column[order] for column in columns)
         worst = np.full_like(self.seen, np.inf)
@@ -182,10 +188,10 @@ class _Search:
         return Cover(pair, start, end, normal, support, proved, worst >= self.demand, self.seen, self.seen_at)
 
     def _hopeless(self, pair: Index, clearance: Array, loss: Array, duration: Array) -> NDArray[np.bool_]:
-        """Intervals on which more bisecting cannot reach the demand, so that only the worst moment is of interest."""
+        """Intervals on which no bisecting can reach the demand, or none that would end soon enough."""
         undecided = (clearance < self.demand + self.pad[pair]) & (clearance >= self.demand - TOLERANCE)
         too_many = np.full(pair.size, pair.size > MAX_OPEN)
-        return undecided | too_many | ~np.isfinite(loss) | (duration < self.floor)
+        return np.asarray(undecided | too_many | ~np.isfinite(loss) | (duration < self.floor))
 
     def _knot_losses(self) -> Array:
         """``P h^2 / 8`` of every body part on every interval, m, shape (n_B, N)."""
@@ -193,10 +199,12 @@ class _Search:
         N, n_B, knots = replay.trajectory.steps, len(self.motion.names), replay.knots
         part, k = np.divmod(np.arange(n_B * N), N)
         durations = np.diff(replay.trajectory.t)
-        return self.motion.loss(part, knots[k], knots[k + 1], replay.trajectory.inputs[k], durations[k]).reshape(n_B, N)
+        return self.motion.loss(
+            part, knots[k], knots[k + 1], replay.trajectory.inputs[k], durations[k]
+        ).reshape(n_B, N)
 
     def _chain(self, pair: Index, a: Index, b: Index, normal: Array, loss: Array) -> Array:
-        """The lemma's lower bound of n.p over [t_a, t_b], interval by interval with one normal, m, shape (B,)."""
+        """The lemma's lower bound of n.p over [t_a, t_b], one normal for all its intervals, m, shape (B,)."""
         knots, part = self.motion.replay.knots, self.pairs.part[pair]
         length = int((b - a).max())
         bound = np.empty(pair.size)

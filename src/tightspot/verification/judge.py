@@ -4,40 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
+from tightspot.scenarios import Scenario
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import VehicleModel
 from tightspot.verification.barriers import ObstaclePairs, Pairs, WorkspacePairs
 from tightspot.verification.certificate import (
-    WORKSPACE,
     Certificate,
     Check,
     Integration,
     PairProof,
-    Witness,
     WorkspaceProof,
     digest,
-    file_exact,
     package_version,
 )
 from tightspot.verification.checks import Limits, motion_checks
 from tightspot.verification.cover import Cover, cover
+from tightspot.verification.file_exact import file_exact
 from tightspot.verification.motion import Motion
 from tightspot.verification.replay import METHOD, replay
-
-if TYPE_CHECKING:
-    from tightspot.scenarios import Scenario
+from tightspot.verification.witnesses import WORKSPACE_SLACK, obstacle_witnesses, workspace_witnesses
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
-
-# The body may lie on the workspace's boundary, as a start pose against a wall does.
-WORKSPACE_SLACK = 1e-6
 
 
 @dataclass(frozen=True)
@@ -65,13 +58,14 @@ def verify(
     margin: float = 0.0,
     settings: JudgeSettings | None = None,
 ) -> Certificate:
-    """Judge the continuous trajectory: the inputs integrated from the first state, at all times of the horizon.
+    """Judge the continuous trajectory: the inputs integrated from the first state, at all times of the
+    horizon.
 
-    For every body part and obstacle part the horizon is covered by intervals that carry one separating line each; the
-    lemma of :mod:`tightspot.verification.motion` proves a clearance on the whole interval. The same lemma holds the
-    body inside the workspace (on its boundary it may lie: 1e-6 m are allowed). Then dynamics defect, bounds, start and
-    goal are checked. The trajectory is first rounded to what a plan file can say of it in the scenario's original
-    coordinates (:func:`file_exact`): nothing changes unless the offset is large.
+    For every body part and obstacle part the horizon is covered by intervals that carry one separating line
+    each; the lemma of :mod:`tightspot.verification.motion` proves a clearance on the whole interval. The same
+    lemma holds the body inside the workspace (on its boundary it may lie: 1e-6 m are allowed). Then dynamics
+    defect, bounds, start and goal are checked. If the scenario has an offset, everything is first rounded to
+    what a plan file can say of it (:mod:`tightspot.verification.file_exact`).
 
     Args:
         scenario: In its recentred coordinates, as all arguments.
@@ -84,24 +78,27 @@ def verify(
         A certificate with ``certified`` true and the proof, or with the failed checks and the witnesses.
 
     Raises:
-        InputError: The trajectory does not fit the vehicle or cannot be integrated, or the margin is no length.
+        InputError: The trajectory does not fit the vehicle or cannot be integrated, or the margin is no
+            length.
     """
     settings = settings or JudgeSettings()
     if not (np.isfinite(margin) and margin >= 0):
         raise InputError(Problem("margin", f"{margin} m must be a finite length, 0 or more"))
-    offset = (float(scenario.offset[0]), float(scenario.offset[1]))
-    trajectory = file_exact(trajectory, offset)
+    scenario, trajectory = file_exact(scenario, trajectory)
     played = replay(vehicle, trajectory, tolerance=settings.tolerance)
     names = [name for name, _ in scenario.obstacle_parts]
     polygons = [polygon for _, polygon in scenario.obstacle_parts]
     corners = [scenario.workspace.vertices, *(polygon.vertices for polygon in polygons)]
     motion = Motion.of(played, extent=max(float(np.abs(vertices).max()) for vertices in corners))
-    pairs, walls = ObstaclePairs(len(vehicle.parts), polygons), WorkspacePairs(len(vehicle.parts), scenario.workspace)
+    pairs, walls = (
+        ObstaclePairs(len(vehicle.parts), polygons),
+        WorkspacePairs(len(vehicle.parts), scenario.workspace),
+    )
     work = {"resolution": settings.resolution, "floor": settings.floor}
     clear, inside = cover(motion, pairs, margin, **work), cover(motion, walls, -WORKSPACE_SLACK, **work)
     witnesses = [
-        *_witnesses(motion, pairs, clear, margin, names),
-        *_workspace_witnesses(motion, walls, inside),
+        *obstacle_witnesses(motion, pairs, clear, margin, names),
+        *workspace_witnesses(motion, walls, inside),
     ]
     checks = [_obstacle_check(clear, margin), _workspace_check(inside)]
     checks += motion_checks(scenario, played, settings.limits)
@@ -114,7 +111,7 @@ def verify(
         pairs=tuple(_pair_proofs(motion, pairs, clear, names)),
         workspace=tuple(_workspace_proofs(motion, walls, inside)),
         integration=Integration(METHOD, played.nodes.size - 1, played.position_error, played.heading_error),
-        offset=offset,
+        offset=(float(scenario.offset[0]), float(scenario.offset[1])),
         version=package_version(),
     )
     return sealed(certificate, scenario, vehicle, trajectory)
@@ -172,55 +169,6 @@ def _workspace_proofs(motion: Motion, walls: Pairs, inside: Cover) -> list[Works
 def _rows(found: Cover) -> list[tuple[int, slice]]:
     """(pair, its rows) of every pair that holds."""
     bounds = np.searchsorted(found.pair, np.arange(found.holds.size + 1))
-    return [(pair, slice(bounds[pair], bounds[pair + 1])) for pair in range(found.holds.size) if found.holds[pair]]
-
-
-def _witnesses(motion: Motion, pairs: Pairs, clear: Cover, margin: float, names: Sequence[str]) -> list[Witness]:
-    failed = np.flatnonzero(~clear.holds)
-    times, clearances = _worst_moments(motion, pairs, failed, clear)
-    poses = motion.replay.at(times)[:, :3]
-    witnesses = []
-    for pair, time, clearance, pose in zip(failed, times, clearances, poses, strict=True):
-        pad = motion.pad[pairs.part[pair]]
-        kind = "collision" if clearance < -pad else "margin" if clearance < margin - pad else "undecided"
-        part, obstacle = motion.names[pairs.part[pair]], names[pairs.barrier[pair]]
-        witnesses.append(Witness(float(time), part, obstacle, float(clearance), _pose(pose), kind))
-    return witnesses
-
-
-def _workspace_witnesses(motion: Motion, walls: Pairs, inside: Cover) -> list[Witness]:
-    """One witness a body part: the edge that it crosses furthest."""
-    failed = np.flatnonzero(~inside.holds)
-    times, clearances = _worst_moments(motion, walls, failed, inside)
-    poses = motion.replay.at(times)[:, :3]
-    witnesses = []
-    for part in np.unique(walls.part[failed]):
-        of_part = np.flatnonzero(walls.part[failed] == part)
-        i = of_part[clearances[of_part].argmin()]
-        kind = "collision" if clearances[i] < -motion.pad[part] - WORKSPACE_SLACK else "undecided"
-        name = motion.names[part]
-        witnesses.append(Witness(float(times[i]), name, WORKSPACE, float(clearances[i]), _pose(poses[i]), kind))
-    return witnesses
-
-
-def _worst_moments(motion: Motion, pairs: Pairs, chosen: Index, found: Cover) -> tuple[Array, Array]:
-    """Times and clearances of the worst moments of the chosen pairs, from the cover's, by ever denser local sampling."""
-    times, clearances = found.seen_at[chosen], found.seen[chosen]
-    t = motion.replay.trajectory.t
-    for width in (2e-2, 1e-3, 5e-5):
-        if not chosen.size:
-            break
-        samples = np.clip(times[:, None] + np.linspace(-width, width, 65), t[0], t[-1])
-        pair = np.repeat(chosen, samples.shape[1])
-        vertices = motion.vertices(pairs.part[pair], motion.replay.at(samples.ravel()))
-        values = pairs.lines(pair, vertices)[2].reshape(samples.shape)
-        best = values.argmin(axis=1)[:, None]
-        better = np.take_along_axis(values, best, 1)[:, 0] < clearances
-        times = np.where(better, np.take_along_axis(samples, best, 1)[:, 0], times)
-        clearances = np.where(better, np.take_along_axis(values, best, 1)[:, 0], clearances)
-    return times, clearances
-
-
-def _pose(pose: Array) -> tuple[float, float, float]:
-    x, y, theta = (float(value) for value in pose)
-    return x, y, theta
+    return [
+        (pair, slice(bounds[pair], bounds[pair + 1])) for pair in range(found.holds.size) if found.holds[pair]
+    ]

@@ -1,19 +1,18 @@
-"""The judge's view of the moving body: vertices at given states, and how far the motion bulges between two states.
+"""The judge's view of the moving body: where it is at given states, and how far it bulges between two.
 
-**Lemma.** Let a line with unit normal n be given and let the input be constant on [t0, t1], h = t1 - t0. A point p of a
-body part whose polygon lies within the distance rho of its frame's origin accelerates at most by ::
+**Lemma.** Let a line with unit normal n be given and let the input be constant on [t0, t1], h = t1 - t0. A
+point p of a body part whose polygon lies within the distance rho of its frame's origin accelerates by at most
+``P = acceleration + (yaw_acceleration + yaw_rate^2) rho``: it is ``p'' = T'' + theta'' R' q - theta'^2 R q``
+with ``|q| <= rho``. So ``f(t) = n.p(t)`` stays above its chord minus ``P h^2 / 8``, and ::
 
-    P = acceleration + (yaw_acceleration + yaw_rate^2) rho
+    min over the part of n.p(t)  >=  min over its vertices of min(n.p(t0), n.p(t1))  -  P h^2 / 8
 
-because ``p'' = T'' + theta'' R' q - theta'^2 R q`` with ``|q| <= rho``. So ``f(t) = n.p(t)`` stays above its chord minus
-``P h^2 / 8``, and ::
+on [t0, t1]. If the obstacle part satisfies ``n.o <= s`` on its vertices, the clearance on [t0, t1] is at
+least the right side minus s.
 
-    min over the part of n.p(t)  >=  min over its vertices of min(n.p(t0), n.p(t1))  -  P h^2 / 8     on [t0, t1].
-
-If the obstacle part O satisfies ``n.o <= s`` on its vertices, the clearance on [t0, t1] is at least the right side - s.
-
-The loss shrinks with h^2, that of the usual test (separation at the middle, speed times h/2) with h. The usual test is
-never needed beside it: its bound exceeds this one by at most ``P h^2 / 8``, which the next bisection divides by four.
+The loss shrinks with h^2, that of the usual test (separation at the middle, speed times h/2) with h. The
+usual test is never needed beside it: its bound exceeds this one by at most ``P h^2 / 8``, which the next
+bisection divides by four.
 """
 
 from __future__ import annotations
@@ -82,19 +81,22 @@ class Motion:
         x, y, theta = (column[:, None] for column in self.poses(part, states).T)
         cos, sin = np.cos(theta), np.sin(theta)
         V0 = self.V0[part]
-        return np.stack([x + cos * V0[..., 0] - sin * V0[..., 1], y + sin * V0[..., 0] + cos * V0[..., 1]], axis=-1)
+        return np.stack(
+            [x + cos * V0[..., 0] - sin * V0[..., 1], y + sin * V0[..., 0] + cos * V0[..., 1]], axis=-1
+        )
 
     def lowest(self, part: Index, states: Array, normal: Array) -> Array:
         """``min(n.V)`` of each part at its state in its direction ``normal`` (B, 2), m, shape (B,)."""
         return np.asarray(lowest(normal, self.vertices(part, states)))
 
     def loss(self, part: Index, before: Array, after: Array, controls: Array, duration: Array) -> Array:
-        """``P h^2 / 8`` of the lemma for each part between two states, m, shape (B,); infinite if nothing is known."""
-        frames = self.replay.vehicle.motion_bounds(before, after, controls)
-        bounds = np.stack([np.stack(np.broadcast_arrays(*frame)) for frame in frames])
-        _, yaw_rate, acceleration, yaw_acceleration = bounds[self.frame[part], :, np.arange(part.size)].T
-        P = acceleration + (yaw_acceleration + yaw_rate**2) * self.radius[part]
-        return np.where(np.isfinite(P), P * duration**2 / 8 * (1 + _BOUND_RESERVE), np.inf)
+        """The lemma's ``P h^2 / 8`` for each part between two states, m, (B,); infinite if unbounded."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            frames = self.replay.vehicle.motion_bounds(before, after, controls)
+            bounds = np.stack([np.stack(np.broadcast_arrays(*frame)) for frame in frames])
+            _, yaw_rate, acceleration, yaw_acceleration = bounds[self.frame[part], :, np.arange(part.size)].T
+            P = acceleration + (yaw_acceleration + yaw_rate**2) * self.radius[part]
+            return np.where(np.isfinite(P), P * duration**2 / 8 * (1 + _BOUND_RESERVE), np.inf)
 
 
 def lowest(normal: Array, vertices: Array) -> Array:

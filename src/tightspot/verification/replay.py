@@ -1,6 +1,7 @@
 """What the vehicle does: the inputs, constant on each interval, integrated from the first knot's state.
 
-The solver's knots are only its record of the motion. A replay starts where they start and never looks at them again.
+The solver's knots are only its record of the motion. A replay starts where they start and never looks at them
+again.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ Array = NDArray[np.float64]
 METHOD = "RK4, error estimated by step doubling"
 FIRST_STEP = 0.25
 MAX_STEPS = 2_000_000
+LARGEST = 1e9
 # Kept in reserve for rounding, in m and rad, on top of the estimated integration error.
 RESERVE = 1e-9
 _ROUNDING = 8 * np.finfo(float).eps  # of a step's sums, relative to the state
@@ -38,9 +40,10 @@ class Replay:
         substeps: RK4 steps in each interval, shape (N,).
         nodes: Times between the steps, s, shape (K+1,), all knots among them.
         node_states: The states there, shape (K+1, n_x).
-        position_error: How far (x, y) may be from the exact solution at any time, m: the largest difference between
-            this solution and one with steps twice as long. By Richardson's estimate the error is a fifteenth of it; the
-            factor is kept as safety. It is an *estimate*: the certificate's checker has a proved bound.
+        position_error: How far (x, y) may be from the exact solution at any time, m: the largest difference
+            between this solution and one with steps twice as long. By Richardson's estimate the error is a
+            fifteenth of it; the factor is kept as safety. It is an *estimate*: the certificate's checker has
+            a proved bound.
         heading_error: The same for theta, rad.
     """
 
@@ -68,7 +71,8 @@ class Replay:
         return np.asarray(np.clip(k, 0, self.trajectory.steps - 1), dtype=np.intp)
 
     def at(self, times: ArrayLike) -> Array:
-        """States at ``times`` (...) in s, shape (..., n_x): one RK4 step from the nearest node of the interval.
+        """States at ``times`` (...) in s, shape (..., n_x): one RK4 step from the nearest node of the
+        interval.
 
         Times outside the horizon are not extrapolated far: they get a single step from its end.
         """
@@ -109,10 +113,10 @@ class Replay:
 def replay(vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 1e-7) -> Replay:
     """Integrate the trajectory's inputs from its first state.
 
-    Classical RK4 with equal steps in each interval. The number of steps is raised until the solution with n steps an
-    interval and the one with 2n differ by less than ``tolerance`` in position and heading at every common node; the
-    second is kept. RK4's error falls with the fourth power of the step, so the kept solution's error is about a
-    fifteenth of that difference.
+    Classical RK4 with equal steps in each interval. The number of steps is raised until the solution with n
+    steps an interval and the one with 2n differ by less than ``tolerance`` in position and heading at every
+    common node; the second is kept. RK4's error falls with the fourth power of the step, so the kept
+    solution's error is about a fifteenth of that difference.
 
     Args:
         vehicle: Its dynamics are used through NumPy's (or Python's) sin, cos, tan.
@@ -120,8 +124,8 @@ def replay(vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 
         tolerance: m and rad.
 
     Raises:
-        InputError: The names of states and inputs are not the vehicle's, the motion leaves the finite numbers, or the
-            horizon is too long to be integrated to this tolerance.
+        InputError: The names of states and inputs are not the vehicle's, a state exceeds 1e9, or the horizon
+            is too long to be integrated to this tolerance.
     """
     _check_names(vehicle, trajectory)
     durations = np.diff(trajectory.t)
@@ -129,7 +133,7 @@ def replay(vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 
     while 3 * steps.sum() < MAX_STEPS:
         count = steps.astype(np.intp)
         coarse, fine = _integrate(vehicle, trajectory, count), _integrate(vehicle, trajectory, 2 * count)
-        if not np.isfinite(fine).all():
+        if not (np.abs(fine) < LARGEST).all():
             break
         difference = coarse[:, :3] - fine[::2, :3]
         position = float(np.hypot(difference[:, 0], difference[:, 1]).max())
@@ -143,8 +147,8 @@ def replay(vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 
     raise InputError(
         Problem(
             "trajectory",
-            f"lasts {trajectory.duration:g} s and cannot be integrated to {tolerance:g} m within {MAX_STEPS} steps "
-            "or finite numbers; check times, speeds and steering angles",
+            f"lasts {trajectory.duration:g} s and cannot be integrated to {tolerance:g} m within {MAX_STEPS} "
+            f"steps and numbers below {LARGEST:g}; check times, speeds and steering angles",
         )
     )
 
