@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
+from pydantic_core import ErrorDetails
 
 from tightspot.errors import GeometryError, Problem, VehicleError
 from tightspot.geometry.decomposition import decompose
+from tightspot.geometry.polygon import ConvexPolygon
 from tightspot.vehicles.base import BodyPart
 from tightspot.vehicles.catalogue import CATALOGUE, vehicle
 from tightspot.vehicles.single_track import Limits, SingleTrack
 
-_MAX_BYTES = 1_000_000
+_MAX_BYTES = 200_000
 
 
 class _Strict(BaseModel):
@@ -26,8 +28,8 @@ class _Strict(BaseModel):
 class RectangleSpec(_Strict):
     """A rectangular body."""
 
-    length: float = Field(gt=0, le=100, description="bumper to bumper, m")
-    width: float = Field(gt=0, le=100, description="m")
+    length: float = Field(ge=0.01, le=100, description="bumper to bumper, m")
+    width: float = Field(ge=0.01, le=100, description="m")
     rear_overhang: float = Field(ge=0, le=100, description="rear axle to rear bumper, m")
 
 
@@ -47,13 +49,24 @@ class LimitsSpec(_Strict):
     steering_rate: float = Field(description="largest absolute steering rate, rad/s")
 
 
+def _body_kind(body: Any) -> str:
+    return "parts" if isinstance(body, list | tuple) else "rectangle"
+
+
+Body = Annotated[
+    Annotated[RectangleSpec, Tag("rectangle")]
+    | Annotated[list[PartSpec], Tag("parts"), Field(min_length=1, max_length=100)],
+    Discriminator(_body_kind),
+]
+
+
 class VehicleSpec(_Strict):
     """A vehicle file. Angles in radians, lengths in metres, the origin is the rear-axle midpoint."""
 
     name: str = "vehicle"
     model: Literal["single_track"] = "single_track"
     wheelbase: float = Field(gt=0, le=100, description="distance of the axles, m")
-    body: RectangleSpec | list[PartSpec]
+    body: Body = Field(description="a rectangle, or a list of polygons with different names")
     limits: LimitsSpec
     source: str = ""
 
@@ -68,31 +81,32 @@ def from_dict(data: Mapping[str, Any]) -> SingleTrack:
         spec = VehicleSpec.model_validate(data)
     except ValidationError as error:
         raise VehicleError([_problem(detail) for detail in error.errors()]) from None
-    limits = Limits(spec.limits.speed, spec.limits.acceleration, spec.limits.steering, spec.limits.steering_rate)
-    if isinstance(spec.body, RectangleSpec):
-        size = spec.body
-        return SingleTrack.rectangular(
-            spec.name,
-            wheelbase=spec.wheelbase,
-            length=size.length,
-            width=size.width,
-            rear_overhang=size.rear_overhang,
-            limits=limits,
-            source=spec.source,
-        )
+    given = spec.limits
+    limits = Limits(given.speed, given.acceleration, given.steering, given.steering_rate)
+    body = _rectangle(spec.body) if isinstance(spec.body, RectangleSpec) else _parts(spec.body)
+    return SingleTrack(spec.name, spec.wheelbase, body, limits, spec.source)
+
+
+def _rectangle(size: RectangleSpec) -> tuple[BodyPart, ...]:
+    rear = -size.rear_overhang
+    polygon = ConvexPolygon.rectangle(rear, rear + size.length, -size.width / 2, size.width / 2)
+    return (BodyPart("body", polygon),)
+
+
+def _parts(parts: list[PartSpec]) -> tuple[BodyPart, ...]:
     body: list[BodyPart] = []
     problems: list[Problem] = []
-    for index, part in enumerate(spec.body):
+    for index, part in enumerate(parts):
         try:
-            polygons = decompose(np.array(part.vertices, float))
+            polygons = decompose(np.array(part.vertices, float), name=f"body[{index}].vertices")
         except GeometryError as error:
-            problems += [Problem(_join(f"body[{index}].vertices", p.path), p.message) for p in error.problems]
+            problems += error.problems
             continue
         names = [part.name] if len(polygons) == 1 else [f"{part.name}/{i}" for i in range(len(polygons))]
         body += [BodyPart(name, polygon) for name, polygon in zip(names, polygons, strict=True)]
     if problems:
         raise VehicleError(problems)
-    return SingleTrack(spec.name, spec.wheelbase, tuple(body), limits, spec.source)
+    return tuple(body)
 
 
 def load_vehicle(name_or_path: str | Path) -> SingleTrack:
@@ -107,26 +121,57 @@ def load_vehicle(name_or_path: str | Path) -> SingleTrack:
     path = Path(text)
     if path.suffix.lower() not in {".yaml", ".yml", ".json"}:
         return vehicle(text)
-    try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise VehicleError(Problem(text, f"is larger than {_MAX_BYTES} bytes; a vehicle file is a few lines"))
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise VehicleError(Problem("vehicle", f"{text} cannot be read: {error.strerror or error}")) from None
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        first_line = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise VehicleError(Problem("vehicle", f"{text} is not readable as YAML or JSON: {first_line}")) from None
+    data = _read(path)
     if not isinstance(data, Mapping):
         raise VehicleError(Problem("vehicle", f"{text} holds no object; see `tightspot schema --vehicle`"))
     return from_dict(data)
 
 
-def _problem(detail: Any) -> Problem:
-    path = "".join(f"[{item}]" if isinstance(item, int) else f".{item}" for item in detail["loc"]).lstrip(".")
-    value = detail.get("input")
-    shown = "" if isinstance(value, Mapping | list) else f" (given: {value!r})"
-    return Problem(path, f"{detail['msg']}{shown}")
+def _read(path: Path) -> Any:
+    try:
+        if path.stat().st_size <= _MAX_BYTES:
+            return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise VehicleError(Problem("vehicle", f"{path} cannot be read: {error.strerror or error}")) from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        first_line = str(error).splitlines()[0] if str(error) else type(error).__name__
+        sentence = f"{path} is not readable as YAML or JSON: {first_line}"
+        raise VehicleError(Problem("vehicle", sentence)) from None
+    sentence = f"{path} is larger than {_MAX_BYTES} bytes; a vehicle file is a few lines"
+    raise VehicleError(Problem("vehicle", sentence))
 
 
-def _join(prefix: str, path: str) -> str:
-    return f"{prefix}{path}" if path.startswith("[") or not path else f"{prefix}.{path}"
+def _problem(detail: ErrorDetails) -> Problem:
+    tags = ((1, "rectangle"), (1, "parts"))
+    loc = [item for place, item in enumerate(detail["loc"]) if (place, item) not in tags]
+    path = "".join(f"[{item}]" if isinstance(item, int) else f".{item[:40]}" for item in loc).lstrip(".")
+    return Problem(path, _sentence(detail))
+
+
+def _sentence(detail: ErrorDetails) -> str:
+    kind, given, context = detail["type"], _shown(detail.get("input")), detail.get("ctx", {})
+    sentences = {
+        "missing": "is missing",
+        "extra_forbidden": "is not a known key; see `tightspot schema --vehicle`",
+        "greater_than": f"{given} must be more than {context.get('gt')}",
+        "greater_than_equal": f"{given} must be at least {context.get('ge')}",
+        "less_than_equal": f"{given} must be at most {context.get('le')}",
+        "too_short": f"needs at least {context.get('min_length')} entries, but is {given}",
+        "too_long": f"is too long: at most {context.get('max_length')} entries are read",
+    }
+    if kind in sentences:
+        return sentences[kind]
+    if kind.startswith("model"):
+        return f"must be an object with keys, but is {given}"
+    return f"{detail['msg']} (given: {given})"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping | list | tuple):
+        return "an object" if isinstance(value, Mapping) else f"a list of {len(value)}"
+    try:
+        text = ascii(value[:60] if isinstance(value, str) else value)
+    except ValueError:  # integers of thousands of digits have no decimal text
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= 40 else f"{text[:37]}..."
+

@@ -12,7 +12,6 @@ from tightspot.errors import Problem, VehicleError
 from tightspot.geometry.polygon import ConvexPolygon
 from tightspot.vehicles.base import Array, BodyPart, MathNamespace, MotionBounds, VehicleModel
 
-
 _SMOOTH_ACCELERATION, _SMOOTH_RATE, _SMOOTH_SPEED = 0.02, 0.01, 0.02
 
 
@@ -173,26 +172,46 @@ class SingleTrack(VehicleModel):
         }
 
 
+_PLAUSIBLE = {"speed": (100.0, "m/s"), "acceleration": (100.0, "m/s^2")}
+_PLAUSIBLE_STEERING_RATE = 10.0
+
+
 def _problems(vehicle: SingleTrack) -> list[Problem]:
-    problems = []
+    problems = _body_problems(vehicle.body)
     limits = vehicle.limits
     if not (np.isfinite(vehicle.wheelbase) and vehicle.wheelbase > 0):
         problems.append(Problem("wheelbase", f"{vehicle.wheelbase} m must be a positive, finite length"))
-    if not vehicle.body:
-        problems.append(Problem("body", "has no part; give at least one polygon or a rectangle"))
-    for field in ("speed", "acceleration"):
+    for field, (largest, unit) in _PLAUSIBLE.items():
         low, high = getattr(limits, field)
-        if not (np.isfinite([low, high]).all() and low < 0 < high):
-            problems.append(
-                Problem(f"limits.{field}", f"[{low}, {high}] must be finite with the lower bound below 0 < upper bound")
-            )
+        if not (-largest <= low < 0 < high <= largest):
+            sentence = f"[{low}, {high}] {unit} must be [below 0, above 0] and within {largest:g} {unit}"
+            problems.append(Problem(f"limits.{field}", sentence))
     if not 0 < limits.steering < np.pi / 2:
-        problems.append(
-            Problem(
-                "limits.steering",
-                f"{limits.steering} rad must lie strictly between 0 and pi/2 (90 deg); angles are in radians",
-            )
-        )
-    if not (np.isfinite(limits.steering_rate) and limits.steering_rate > 0):
-        problems.append(Problem("limits.steering_rate", f"{limits.steering_rate} rad/s must be positive and finite"))
+        sentence = f"{limits.steering} rad must lie strictly between 0 and pi/2 (90 deg)"
+        problems.append(Problem("limits.steering", sentence + _in_radians(limits.steering, 90.0)))
+    if not 0 < limits.steering_rate <= _PLAUSIBLE_STEERING_RATE:
+        largest = _PLAUSIBLE_STEERING_RATE
+        sentence = f"{limits.steering_rate} rad/s must be positive and at most {largest:g} rad/s"
+        problems.append(Problem("limits.steering_rate", sentence + _in_radians(limits.steering_rate, 3600.0)))
     return problems
+
+
+def _body_problems(body: tuple[BodyPart, ...]) -> list[Problem]:
+    problems = [] if body else [Problem("body", "has no part; give at least one polygon or a rectangle")]
+    first: dict[str, int] = {}
+    for index, part in enumerate(body):
+        if part.name in first:
+            sentence = f"{part.name!r} is already the name of body[{first[part.name]}]; names must differ"
+            problems.append(Problem(f"body[{index}].name", sentence))
+        first.setdefault(part.name, index)
+        if part.frame != 0:
+            sentence = f"{part.frame} must be 0: this model has one frame"
+            problems.append(Problem(f"body[{index}].frame", sentence))
+    return problems
+
+
+def _in_radians(value: float, largest_degrees: float) -> str:
+    """What to do about a number that is too large for radians but would do as degrees."""
+    if not 1.0 < value < largest_degrees:
+        return ""
+    return f"; angles are in radians: {value:g} deg = {np.radians(value):.4g} rad"
