@@ -135,7 +135,7 @@ class Trajectory:
 def _numbers(values: Any, path: str) -> Array:
     try:
         array = np.array(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(Problem(path, "must be a list of numbers")) from None
     if array.ndim != 1:
         raise InputError(Problem(path, "must be a plain list of numbers"))

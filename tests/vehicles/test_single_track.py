@@ -12,7 +12,13 @@ LIMITS = Limits(speed=(-1.5, 2.0), acceleration=(-1.0, 0.8), steering=0.6, steer
 
 
 def make(**changes):
-    arguments = dict(wheelbase=2.8, length=4.6, width=2.0, rear_overhang=0.9, limits=LIMITS) | changes
+    arguments = {
+        "wheelbase": 2.8,
+        "length": 4.6,
+        "width": 2.0,
+        "rear_overhang": 0.9,
+        "limits": LIMITS,
+    } | changes
     return SingleTrack.rectangular("car", **arguments)
 
 
@@ -79,20 +85,20 @@ def test_turning_radius_is_that_of_the_driven_circle():
 @pytest.mark.parametrize(
     ("changes", "path", "words"),
     [
-        (dict(length=0.0), "length", "positive"),
-        (dict(width=np.nan), "width", "nan"),
-        (dict(rear_overhang=-0.1), "rear_overhang", "-0.1"),
-        (dict(wheelbase=-2.8), "wheelbase", "positive"),
-        (dict(wheelbase=np.inf), "wheelbase", "finite"),
-        (dict(limits=Limits((0.0, 1.0), (-1, 1), 0.6, 0.4)), "limits.speed", "below 0"),
-        (dict(limits=Limits((-1.0, 1e3), (-1, 1), 0.6, 0.4)), "limits.speed", "100 m/s"),
-        (dict(limits=Limits((-1, 1), (1, -1), 0.6, 0.4)), "limits.acceleration", "[1, -1]"),
-        (dict(limits=Limits((-1, 1), (-1, np.nan), 0.6, 0.4)), "limits.acceleration", "nan"),
-        (dict(limits=Limits((-1, 1), (-1, 1), 40.0, 0.4)), "limits.steering", "40 deg = 0.6981 rad"),
-        (dict(limits=Limits((-1, 1), (-1, 1), np.pi / 2, 0.4)), "limits.steering", "90 deg"),
-        (dict(limits=Limits((-1, 1), (-1, 1), np.nan, 0.4)), "limits.steering", "nan"),
-        (dict(limits=Limits((-1, 1), (-1, 1), 0.6, 30.0)), "limits.steering_rate", "30 deg = 0.5236 rad"),
-        (dict(limits=Limits((-1, 1), (-1, 1), 0.6, 0.0)), "limits.steering_rate", "positive"),
+        ({"length": 0.0}, "length", "positive"),
+        ({"width": np.nan}, "width", "nan"),
+        ({"rear_overhang": -0.1}, "rear_overhang", "-0.1"),
+        ({"wheelbase": -2.8}, "wheelbase", "positive"),
+        ({"wheelbase": np.inf}, "wheelbase", "finite"),
+        ({"limits": Limits((0.0, 1.0), (-1, 1), 0.6, 0.4)}, "limits.speed", "below 0"),
+        ({"limits": Limits((-1.0, 1e3), (-1, 1), 0.6, 0.4)}, "limits.speed", "100 m/s"),
+        ({"limits": Limits((-1, 1), (1, -1), 0.6, 0.4)}, "limits.acceleration", "[1, -1]"),
+        ({"limits": Limits((-1, 1), (-1, np.nan), 0.6, 0.4)}, "limits.acceleration", "nan"),
+        ({"limits": Limits((-1, 1), (-1, 1), 40.0, 0.4)}, "limits.steering", "40 deg = 0.6981 rad"),
+        ({"limits": Limits((-1, 1), (-1, 1), np.pi / 2, 0.4)}, "limits.steering", "90 deg"),
+        ({"limits": Limits((-1, 1), (-1, 1), np.nan, 0.4)}, "limits.steering", "nan"),
+        ({"limits": Limits((-1, 1), (-1, 1), 0.6, 30.0)}, "limits.steering_rate", "30 deg = 0.5236 rad"),
+        ({"limits": Limits((-1, 1), (-1, 1), 0.6, 0.0)}, "limits.steering_rate", "positive"),
     ],
 )
 def test_senseless_numbers_are_refused_by_name(changes, path, words):
