@@ -1,0 +1,157 @@
+"""Plan every scene from the command line, replay each plan independently, and write down what was measured.
+
+Run as ``python -m benchmarks.plan_scenes`` (``make bench``); ``--only NAME ...`` for some scenes,
+``--no-write`` to print only. The competition's cases are planned where ``../shared/data/tpcap`` is there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import statistics
+import sys
+import tempfile
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from benchmarks.replay import replay_file
+from benchmarks.run import run_tightspot
+from benchmarks.scenes import PROMISED_MARGIN, builtin_scenes, tpcap_scenes
+import tightspot
+from tightspot import scenarios
+from tightspot.guesses import HybridAStar
+
+RESULTS = Path(__file__).parent / "results"
+SEARCHES = 11
+
+
+def measure(scene: str | Path) -> dict[str, Any]:
+    """One row of the table."""
+    scenario = scenarios.load(scene)
+    row: dict[str, Any] = {"scene": scenario.name, "hybrid_astar_ms": search_time(scenario)}
+    with tempfile.TemporaryDirectory() as directory:
+        run = run_tightspot(["plan", str(scene), "--output", directory, "--quiet"])
+        row |= {"exit_code": run.code, "seconds": run.seconds, "megabytes": run.megabytes}
+        if run.code != 0:
+            return row | {"problems": [run.errors.strip()]}
+        seen = replay_file(run.answer["files"]["plan"])
+    promised = PROMISED_MARGIN["tpcap" if isinstance(scene, Path) else "builtin"]
+    facts = {key: run.answer[key] for key in ("rounds", "steps", "objective", "duration", "gear_changes")}
+    certified = run.answer["certificate"]["clearance"]
+    return {
+        **row,
+        **facts,
+        "plan_seconds": run.answer["seconds"],
+        "certified_clearance": certified,
+        "replay_clearance": seen.clearance,
+        "replay_frames": seen.frames,
+        "problems": seen.problems(max(promised, certified)),
+    }
+
+
+def search_time(scenario: scenarios.Scenario) -> float:
+    """Median time of the hybrid A* guess, lifting included, ms."""
+    vehicle = scenario.vehicle_model()
+    times = []
+    for _ in range(SEARCHES):
+        started = time.perf_counter()
+        HybridAStar().make(scenario, vehicle, margin=scenario.margin)
+        times.append(time.perf_counter() - started)
+    return 1000 * statistics.median(times)
+
+
+def machine() -> dict[str, Any]:
+    """Where and with what it was measured."""
+    names = ("numpy", "shapely", "casadi")
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "tightspot": tightspot.__version__,
+        **{name: version(name) for name in names},
+    }
+
+
+def _processor() -> str:
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor()
+
+
+_COLUMNS = (
+    ("scene", "scene", "{}"),
+    ("process s", "seconds", "{:.1f}"),
+    ("plan s", "plan_seconds", "{:.1f}"),
+    ("rounds", "rounds", "{}"),
+    ("steps", "steps", "{}"),
+    ("J", "objective", "{:.3f}"),
+    ("t_f s", "duration", "{:.2f}"),
+    ("gear changes", "gear_changes", "{}"),
+    ("certified m", "certified_clearance", "{:.4f}"),
+    ("replay m", "replay_clearance", "{:.4f}"),
+    ("hybrid A* ms", "hybrid_astar_ms", "{:.1f}"),
+    ("memory MB", "megabytes", "{:.0f}"),
+)
+
+
+def as_markdown(rows: list[dict[str, Any]], where: dict[str, Any]) -> str:
+    """The table and the machine, as the results file holds them."""
+    lines = [
+        "# Plans of all scenes",
+        "",
+        "Written by `make bench`. One process a scene, one scene at a time.",
+        "",
+    ]
+    lines.append("- " + ", ".join(f"{key} {value}" for key, value in where.items()))
+    lines.append("- process s: the whole `tightspot plan`, files included; plan s: `tightspot.plan` alone")
+    lines.append(
+        "- replay m: smallest distance in an independent replay in 1 ms steps; certified m: its proved bound"
+    )
+    lines.append(f"- hybrid A* ms: median of {SEARCHES} searches, lifted to a trajectory")
+    lines += [
+        "",
+        "| " + " | ".join(heading for heading, _, _ in _COLUMNS) + " |",
+        "|" + "---|" * len(_COLUMNS),
+    ]
+    for row in rows:
+        cells = [form.format(row[key]) if row.get(key) is not None else "-" for _, key, form in _COLUMNS]
+        lines.append("| " + " | ".join(cells) + " |")
+    problems = [f"- {row['scene']}: {problem}" for row in rows for problem in row["problems"]]
+    lines += ["", "## Problems", "", *(problems or ["None."])]
+    searches = [row["hybrid_astar_ms"] for row in rows if "hybrid_astar_ms" in row]
+    lines += ["", f"Hybrid A*, median over the scenes: {statistics.median(searches):.1f} ms."]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Measure, print, write; 1 if any scene shows a problem."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="scenes whose name is one of these")
+    parser.add_argument("--no-write", action="store_true", help="do not touch benchmarks/results")
+    options = parser.parse_args()
+    scenes: list[str | Path] = [*builtin_scenes(), *tpcap_scenes()]
+    rows = []
+    for scene in scenes:
+        if options.only and Path(scene).stem not in options.only:
+            continue
+        sys.stderr.write(f"{Path(scene).stem} ...\n")
+        rows.append(measure(scene))
+    where = machine()
+    report = as_markdown(rows, where)
+    sys.stdout.write(report)
+    if not options.no_write:
+        RESULTS.mkdir(exist_ok=True)
+        (RESULTS / "plan_scenes.md").write_text(report, encoding="utf-8")
+        content = json.dumps({"machine": where, "scenes": rows}, indent=2) + "\n"
+        (RESULTS / "plan_scenes.json").write_text(content, encoding="utf-8")
+    return int(any(row["problems"] for row in rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
