@@ -122,6 +122,11 @@ class Solver(ABC):
     """A backend: solves any :class:`Nlp` whose structure it can use."""
 
     name: ClassVar[str]
+    time_limit: float
+
+    @abstractmethod
+    def with_time_limit(self, seconds: float) -> Solver:
+        """The same backend with a wall-clock limit of ``seconds`` or its own, whichever is shorter."""
 
     @abstractmethod
     def solve(

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
 
+from tightspot.errors import InputError, Problem
 from tightspot.solvers.base import Array, Iteration, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
 
 _STATUS = {
@@ -48,15 +50,16 @@ class Ipopt(Solver):
     time_limit: float = 60.0
     options: Mapping[str, Any] = field(default_factory=dict)
 
+    def with_time_limit(self, seconds: float) -> Ipopt:
+        return replace(self, time_limit=min(self.time_limit, max(seconds, 0.1)))
+
     def solve(
         self, nlp: Nlp, *, warm: WarmStart | None = None, callback: IterationCallback | None = None
     ) -> SolveReport:
         started = time.perf_counter()
-        watcher = _Watcher(nlp, callback) if callback else None
-        options: dict[str, Any] = {"ipopt": self._ipopt_options(warm), "print_time": False, "error_on_fail": False}
-        if watcher:
-            options["iteration_callback"] = watcher
-        function = ca.nlpsol("nlp", "ipopt", {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}, options)
+        interrupts = Interrupts()
+        watcher = _Watcher(nlp, callback, interrupts)
+        function = self._function(nlp, warm, watcher)
         built = time.perf_counter()
         arguments: dict[str, Any] = {
             "x0": nlp.x0 if warm is None else warm.x,
@@ -68,11 +71,27 @@ class Ipopt(Solver):
         }
         if warm is not None and warm.lam_x is not None and warm.lam_g is not None:
             arguments |= {"lam_x0": warm.lam_x, "lam_g0": warm.lam_g}
-        result = function(**arguments)
-        if watcher and watcher.interrupted:
-            raise KeyboardInterrupt
+        with interrupts:
+            result = function(**arguments)
+        interrupts.deliver()
+        if watcher.raised is not None:
+            raise watcher.raised
         timings = {"build": built - started, "solve": time.perf_counter() - built}
-        return self._report(nlp, result, function.stats(), timings)
+        return self._report(nlp, function, result, timings)
+
+    def _function(self, nlp: Nlp, warm: WarmStart | None, watcher: _Watcher) -> Any:
+        options: dict[str, Any] = {
+            "ipopt": self._ipopt_options(warm),
+            "iteration_callback": watcher,
+            "print_time": False,
+            "error_on_fail": False,
+            "show_eval_warnings": False,
+        }
+        try:
+            return ca.nlpsol("nlp", "ipopt", {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}, options)
+        except RuntimeError as error:
+            reason = str(error).strip().splitlines()[-1].split(": ", 1)[-1]
+            raise InputError(Problem("solver.options", f"IPOPT refuses the options: {reason}")) from None
 
     def _ipopt_options(self, warm: WarmStart | None) -> dict[str, Any]:
         options: dict[str, Any] = {
@@ -94,7 +113,8 @@ class Ipopt(Solver):
             }
         return options | dict(self.options)
 
-    def _report(self, nlp: Nlp, result: Mapping[str, Any], stats: Mapping[str, Any], timings: dict[str, float]) -> SolveReport:
+    def _report(self, nlp: Nlp, function: Any, result: Mapping[str, Any], timings: dict[str, float]) -> SolveReport:
+        stats = function.stats()
         x, g, lam_x, lam_g = (np.array(result[key], float).ravel() for key in ("x", "g", "lam_x", "lam_g"))
         functions = [value for key, value in stats.items() if key.startswith("t_wall_nlp_")]
         timings["functions"] = float(sum(functions))
@@ -110,30 +130,32 @@ class Ipopt(Solver):
             lam_g=lam_g,
             iterations=int(stats["iter_count"]),
             violation=max(violation, float(outside.max(initial=0.0))),
-            stationarity=stationarity(nlp, x, lam_x, lam_g),
+            stationarity=_stationarity(function, nlp, x, lam_x, lam_g),
             worst=worst.describe() if worst else "",
             timings=timings,
             backend_status=str(stats["return_status"]),
         )
 
 
-def stationarity(nlp: Nlp, x: Array, lam_x: Array, lam_g: Array) -> float:
+def _stationarity(function: Any, nlp: Nlp, x: Array, lam_x: Array, lam_g: Array) -> float:
     """Largest absolute entry of ``grad f + J^T lam_g + lam_x`` at x, relative to ``max(1, max|lam|)``."""
-    lagrangian = nlp.f + ca.dot(ca.SX(ca.DM(lam_g)), nlp.g)
-    gradient = ca.Function("gradient", [nlp.x, nlp.p], [ca.gradient(lagrangian, nlp.x)])
-    value = np.array(gradient(x, nlp.p0)).ravel() + lam_x
-    return float(np.abs(value).max() / max(1.0, np.abs(lam_g).max(initial=0.0)))
+    gradient = np.array(function.get_function("nlp_grad_f")(x, nlp.p0)[1]).ravel() + lam_x
+    if lam_g.size:
+        jacobian = function.get_function("nlp_jac_g")(x, nlp.p0)[1]
+        gradient = gradient + np.array(ca.mtimes(jacobian.T, lam_g)).ravel()
+    return float(np.abs(gradient).max() / max(1.0, np.abs(lam_g).max(initial=0.0)))
 
 
-class _Watcher(ca.Callback):  # type: ignore[misc]
-    """CasADi's iteration callback: passes progress on, remembers an interrupt."""
+class _Watcher(ca.Callback):
+    """CasADi's iteration callback: passes progress on, stops at Ctrl-C, keeps exceptions for after the solve."""
 
-    def __init__(self, nlp: Nlp, callback: IterationCallback) -> None:
+    def __init__(self, nlp: Nlp, callback: IterationCallback | None, interrupts: Interrupts) -> None:
         super().__init__()
         self._nlp = nlp
         self._callback = callback
+        self._interrupts = interrupts
         self._count = 0
-        self.interrupted = False
+        self.raised: BaseException | None = None
         self.construct("watcher", {})
 
     def get_n_in(self) -> int:
@@ -160,14 +182,17 @@ class _Watcher(ca.Callback):  # type: ignore[misc]
         return ca.Sparsity.dense(sizes[name], 1) if name in sizes else ca.Sparsity(0, 0)
 
     def eval(self, arguments: Any) -> list[float]:
+        try:
+            stop = self._interrupts.pending or self._report(arguments) is False or self._interrupts.pending
+        except BaseException as error:
+            self.raised, stop = error, True
+        return [1.0 if stop else 0.0]
+
+    def _report(self, arguments: Any) -> bool | None:
+        if self._callback is None:
+            return None
         values = dict(zip(ca.nlpsol_out(), arguments, strict=True))
-        g = np.array(values["g"], float).ravel()
-        violation = float(self._nlp.violation(g).max(initial=0.0))
+        violation = float(self._nlp.violation(np.array(values["g"], float).ravel()).max(initial=0.0))
         iteration = Iteration(self._count, float(values["f"]), violation)
         self._count += 1
-        try:
-            go_on = self._callback(iteration)
-        except KeyboardInterrupt:
-            self.interrupted = True
-            go_on = False
-        return [1.0 if go_on is False else 0.0]
+        return self._callback(iteration)

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.errors import InputError, Problem
+
 Array = NDArray[np.float64]
 
 
@@ -77,6 +79,9 @@ class Nlp:
         stages: One :class:`Stage` a knot.
         blocks: What each row means.
         shared: Slice of the variables that belong to no stage (t_f).
+
+    Raises:
+        InputError: If a bound or a value does not fit its symbols, or a lower bound exceeds its upper bound.
     """
 
     x: Any
@@ -92,6 +97,23 @@ class Nlp:
     stages: tuple[Stage, ...]
     blocks: tuple[RowBlock, ...]
     shared: slice = field(default_factory=lambda: slice(0, 0))
+
+    def __post_init__(self) -> None:
+        problems = []
+        for symbol, fields in (("x", ("lbx", "ubx", "x0")), ("g", ("lbg", "ubg")), ("p", ("p0",))):
+            count = getattr(self, symbol).numel()
+            for name in fields:
+                if getattr(self, name).shape != (count,):
+                    sentence = f"has shape {getattr(self, name).shape}, but {symbol} has {count} entries"
+                    problems.append(Problem(f"nlp.{name}", sentence))
+        if problems:
+            raise InputError(problems)
+        for lower, upper in (("lbx", "ubx"), ("lbg", "ubg")):
+            low, high = getattr(self, lower), getattr(self, upper)
+            for i in np.flatnonzero(~(low <= high))[:10]:
+                problems.append(Problem(f"nlp.{lower}[{i}]", f"{low[i]} must be at most {upper} = {high[i]}"))
+        if problems:
+            raise InputError(problems)
 
     @property
     def n_variables(self) -> int:
