@@ -18,10 +18,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import tightspot
 from benchmarks.replay import replay_file
 from benchmarks.run import run_tightspot
 from benchmarks.scenes import PROMISED_MARGIN, builtin_scenes, tpcap_scenes
-import tightspot
 from tightspot import scenarios
 from tightspot.guesses import HybridAStar
 

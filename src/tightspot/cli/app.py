@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
 from typing import Annotated
 
 import typer
 
 import tightspot
-from tightspot.cli.failures import DONE, failure_of
+from tightspot.cli.failures import DONE, INTERRUPTED, failure_of
 from tightspot.cli.plan import plan_command
 from tightspot.cli.scenes import scenes_command
 from tightspot.cli.schema import schema_command
@@ -48,20 +46,14 @@ def _root(
         typer.echo(context.get_help())
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line.
-
-    Args:
-        arguments: Without the program's name; default: the process's.
-
-    Returns:
-        The exit code, see ``tightspot --help``.
-    """
-    given = list(sys.argv[1:] if arguments is None else arguments)
+def run(arguments: list[str]) -> int:
+    """Run one command; every exception becomes a sentence and an exit code."""
+    as_json = "--json" in arguments
     try:
-        code = typer.main.get_command(app).main(given, prog_name="tightspot", standalone_mode=False)
+        command = typer.main.get_command(app)
+        code = command.main(arguments, prog_name="tightspot", standalone_mode=False)
+        if code == INTERRUPTED:  # typer answers an interrupt with this code instead of passing it on
+            raise KeyboardInterrupt
     except (Exception, KeyboardInterrupt) as error:
-        return failure_of(error).report(as_json="--json" in given)
-    if code == failure_of(KeyboardInterrupt()).code:  # typer swallows the exception and returns the code
-        return failure_of(KeyboardInterrupt()).report(as_json="--json" in given)
+        return failure_of(error).report(as_json=as_json)
     return code if isinstance(code, int) else DONE

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tightspot.cli.console import answers, notes, print_json, print_line
+from tightspot.cli.interrupts import InterruptWatch
 from tightspot.cli.output_files import check_directory, default_directory, write_plan
 from tightspot.cli.progress import ProgressView
 from tightspot.cli.summary import plan_facts, summary_table
 
 if TYPE_CHECKING:
+    from tightspot.planner import Progress, ProgressCallback
     from tightspot.verification import Plan
 
 
@@ -58,8 +60,13 @@ def plan_command(
     """
     if output is not None:
         check_directory(output)
-    with ProgressView(notes(), quiet=quiet) as view:
-        plan = _plan(scene, vehicle, formulation, guess, solver, steps, margin, time_weight, output, view)
+    with InterruptWatch() as watch, ProgressView(notes(), quiet=quiet) as view:
+
+        def progress(news: Progress) -> None:
+            watch.check()
+            view(news)
+
+        plan = _plan(scene, vehicle, formulation, guess, solver, steps, margin, time_weight, output, progress)
     directory = output or default_directory(plan.scenario.name)
     drawable = importlib.util.find_spec("matplotlib") is not None
     files = write_plan(plan, directory, picture=picture and drawable)
@@ -81,7 +88,7 @@ def _plan(
     margin: float | None,
     time_weight: float | None,
     output: Path | None,
-    view: ProgressView,
+    progress: ProgressCallback,
 ) -> Plan:
     from tightspot.planner import plan
     from tightspot.scenarios import load
@@ -99,7 +106,7 @@ def _plan(
         solver=solver,
         steps=steps,
         margin=margin,
-        progress=view,
+        progress=progress,
     )
 
 
