@@ -29,7 +29,7 @@ def print_json(data: Any) -> None:
 
 def print_line(console: Console, text: str, style: str = "") -> None:
     """``text`` as one line: taken literally, never wrapped, control characters made visible."""
-    line = "".join(character if character.isprintable() else "?" for character in " ".join(text.split()))
+    line = "".join(character if character.isprintable() else "?" for character in " ".join(text.splitlines()))
     console.print(line, style=style or None, markup=False, highlight=False, soft_wrap=True, emoji=False)
 
 

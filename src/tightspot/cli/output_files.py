@@ -32,7 +32,7 @@ def check_directory(directory: Path) -> None:
     """Refuse a directory that cannot be written before anything is computed.
 
     Raises:
-        InputError: It is or lies in a file, cannot be written, or has a directory named like one of the files.
+        InputError: It is or lies in a file, is not writable, or holds a directory named like a file.
     """
     existing = next(path for path in (directory, *directory.absolute().parents) if path.exists())
     if not existing.is_dir():
