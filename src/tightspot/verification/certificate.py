@@ -262,17 +262,29 @@ def digest(
 ) -> str:
     """SHA-256 in hexadecimal over the four objects of a plan file, the certificate without its ``digest``.
 
-    They are written as one JSON object with keys ``scenario``, ``vehicle``, ``trajectory``, ``certificate``,
-    all keys sorted, no spaces, non-ASCII characters escaped, numbers as the shortest decimal that reads back
-    as the same double.
+    They are written as one JSON object with keys ``scenario``, ``vehicle``, ``trajectory``, ``certificate``:
+    all keys sorted, no spaces, non-ASCII characters escaped, every number as a double in Python's ``repr``,
+    the shortest decimal that reads back as the same double, with ``.0`` if it is whole (3 is 3.0).
+
+    Raises:
+        PlanFileError: Something is not plain, finite data.
     """
     bare = {key: value for key, value in certificate.items() if key != "digest"}
     whole = {"scenario": scenario, "vehicle": vehicle, "trajectory": trajectory, "certificate": bare}
     try:
-        text = json.dumps(whole, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    except ValueError as error:
+        text = json.dumps(_doubles(whole), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    except (TypeError, ValueError, OverflowError) as error:
         raise PlanFileError(Problem("", f"cannot be written as JSON: {error}")) from None
     return hashlib.sha256(text.encode("ascii")).hexdigest()
+
+
+def _doubles(data: Any) -> Any:
+    """The same plain data with every number as a double."""
+    if isinstance(data, Mapping):
+        return {key: _doubles(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_doubles(value) for value in data]
+    return float(data) + 0.0 if isinstance(data, int | float) and not isinstance(data, bool) else data
 
 
 def package_version() -> str:

@@ -61,21 +61,27 @@ def check_certificate(
         ``ok``, or the reasons why not. A certificate that says "not certified" is not ok.
     """
     scenario, trajectory = file_exact(scenario, trajectory)
-    reasons = list(_digest(scenario, vehicle, trajectory, certificate))
-    return (
-        CheckResult(False, tuple(reasons)) if reasons else prove(scenario, vehicle, trajectory, certificate)
-    )
+    odd = _digest(scenario, vehicle, trajectory, certificate)
+    reasons = (*odd, *_claim(scenario, trajectory, vehicle, certificate))
+    return CheckResult(not reasons, reasons)
 
 
 def prove(
     scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory, certificate: Certificate
 ) -> CheckResult:
     """The same without the digest: whether what is written proves the claim, whoever wrote it."""
-    scenario, trajectory = file_exact(scenario, trajectory)
-    reasons = list(_form(scenario, certificate)) or list(
-        _mathematics(scenario, vehicle, trajectory, certificate)
-    )
-    return CheckResult(not reasons, tuple(reasons))
+    reasons = _claim(*file_exact(scenario, trajectory), vehicle, certificate)
+    return CheckResult(not reasons, reasons)
+
+
+def _claim(
+    scenario: Scenario, trajectory: Trajectory, vehicle: VehicleModel, certificate: Certificate
+) -> tuple[str, ...]:
+    reasons = tuple(_form(scenario, certificate))
+    if reasons:
+        return reasons
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows fails its comparison
+        return tuple(_mathematics(scenario, vehicle, trajectory, certificate))
 
 
 def _form(scenario: Scenario, certificate: Certificate) -> Iterator[str]:

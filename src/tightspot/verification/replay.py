@@ -22,8 +22,7 @@ from tightspot.vehicles import VehicleModel
 Array = NDArray[np.float64]
 
 METHOD = "RK4, error estimated by step doubling"
-FIRST_STEP = 0.25
-MAX_STEPS = 2_000_000
+MAX_STEPS = 400_000
 LARGEST = 1e9
 # Kept in reserve for rounding, in m and rad, on top of the estimated integration error.
 RESERVE = 1e-9
@@ -110,7 +109,9 @@ class Replay:
         return np.repeat(np.arange(self.substeps.size), self.substeps)
 
 
-def replay(vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 1e-7) -> Replay:
+def replay(
+    vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 1e-7, first_step: float = 0.25
+) -> Replay:
     """Integrate the trajectory's inputs from its first state.
 
     Classical RK4 with equal steps in each interval. The number of steps is raised until the solution with n
@@ -122,6 +123,7 @@ def replay(vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 
         vehicle: Its dynamics are used through NumPy's (or Python's) sin, cos, tan.
         trajectory: Only its times, its first state and its inputs are used.
         tolerance: m and rad.
+        first_step: The longest step of the first, coarser solution, s.
 
     Raises:
         InputError: The names of states and inputs are not the vehicle's, a state exceeds 1e9, or the horizon
@@ -129,7 +131,7 @@ def replay(vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 
     """
     _check_names(vehicle, trajectory)
     durations = np.diff(trajectory.t)
-    steps = np.maximum(1, np.ceil(durations / FIRST_STEP))
+    steps = np.maximum(1, np.ceil(durations / first_step))
     while 3 * steps.sum() < MAX_STEPS:
         count = steps.astype(np.intp)
         coarse, fine = _integrate(vehicle, trajectory, count), _integrate(vehicle, trajectory, 2 * count)

@@ -52,7 +52,7 @@ def workspace_witnesses(motion: Motion, walls: Pairs, inside: Cover) -> list[Wit
 
 
 def _worst_moments(motion: Motion, pairs: Pairs, chosen: Index, found: Cover) -> tuple[Array, Array]:
-    """Times and clearances of the chosen pairs' worst moments: the cover's, refined by dense local samples."""
+    """Times and clearances of the chosen pairs' worst moments: the cover's, refined by dense samples."""
     times, clearances = found.seen_at[chosen], found.seen[chosen]
     t = motion.replay.trajectory.t
     for width in (2e-2, 1e-3, 5e-5):
