@@ -64,8 +64,7 @@ class Scene:
         """One search: its record, the path's arcs (m, 2) if any, the poses expanded (n, 3) if kept."""
         core = compiled_core()
         checker = core.CollisionChecker(self.parts, self.workspace, self.obstacles, margin)
-        if direction is Direction.TIGHT_END:
-            direction = self._tight_end(checker)
+        direction = self._resolved(direction, checker)
         settings = self._settings(resolution, checker.narrowest)
         settings.backward = direction is Direction.BACKWARD
         settings.time_limit = seconds
@@ -74,9 +73,12 @@ class Scene:
         )
         return _record(resolution, margin, direction, answer), answer["arcs"], answer["closed"]
 
-    def _tight_end(self, checker: _core.CollisionChecker) -> Direction:
-        room = [self._room(checker, pose) for pose in (self.start, self.goal)]
-        return Direction.FORWARD if room[0] < room[1] else Direction.BACKWARD
+    def _resolved(self, direction: Direction, checker: _core.CollisionChecker) -> Direction:
+        if direction in (Direction.FORWARD, Direction.BACKWARD):
+            return direction
+        start_is_tight = self._room(checker, self.start) < self._room(checker, self.goal)
+        begins_at_start = start_is_tight == (direction is Direction.TIGHT_END)
+        return Direction.FORWARD if begins_at_start else Direction.BACKWARD
 
     def _room(self, checker: _core.CollisionChecker, pose: Array) -> float:
         """How far the car gets from a pose on full left, straight and full right, both ways, all added, m."""

@@ -6,6 +6,7 @@ semi-structured environments, International Journal of Robotics Research 29(5), 
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Iterator, Sequence
 from typing import Protocol
@@ -66,10 +67,9 @@ def search(
     attempts: list[Attempt] = []
     closed: list[Array] = []
     deadline = time.monotonic() + options.time_limit
-    hopeless: set[float] = set()
     for resolution, margin, direction in _ladder(options):
         seconds_left = deadline - time.monotonic()
-        if margin in hopeless or seconds_left <= 0:
+        if _is_settled(resolution, margin, attempts) or (attempts and seconds_left <= 0):
             continue
         attempt, arcs, poses = scene.attempt(resolution, margin, direction, seconds_left)
         attempts.append(attempt)
@@ -77,25 +77,24 @@ def search(
         if attempt.outcome is SearchStatus.FOUND:
             path = Path.from_arcs(start, arcs, options.spacing, goal)
             return SearchResult(SearchStatus.FOUND, path, tuple(attempts), np.concatenate(closed))
-        if attempt.is_final:
-            hopeless.add(margin)
-    is_late = time.monotonic() >= deadline
-    return SearchResult(_verdict(attempts, is_late), None, tuple(attempts), np.concatenate(closed))
+    return SearchResult(_verdict(attempts), None, tuple(attempts), np.concatenate(closed))
 
 
 def _ladder(options: HybridAStarOptions) -> Iterator[tuple[Resolution, float, Direction]]:
-    for resolution in options.resolutions:
-        for margin in options.margins:
-            for direction in options.directions:
-                yield resolution, margin, direction
+    return itertools.product(options.resolutions, options.margins, options.directions)
 
 
-def _verdict(attempts: Sequence[Attempt], is_late: bool) -> SearchStatus:
-    """Of attempts that all failed: what stopped them, the least final reason first."""
-    outcomes = [attempt.outcome for attempt in attempts]
-    if is_late and not all(attempt.is_final for attempt in attempts):
-        return SearchStatus.TIME_LIMIT
-    for status in (SearchStatus.TIME_LIMIT, SearchStatus.LIMIT_REACHED, SearchStatus.EXHAUSTED):
-        if status in outcomes:
-            return status
-    return outcomes[-1]
+def _is_settled(resolution: Resolution, margin: float, attempts: Sequence[Attempt]) -> bool:
+    """Whether earlier attempts leave no hope with this margin, or exhausted it at this resolution."""
+    return any(
+        attempt.is_final or (attempt.resolution is resolution and attempt.outcome is SearchStatus.EXHAUSTED)
+        for attempt in attempts
+        if attempt.margin == margin
+    )
+
+
+def _verdict(attempts: Sequence[Attempt]) -> SearchStatus:
+    """Of attempts that all failed: what the smallest margin came to, being exhausted above all."""
+    smallest = min(attempt.margin for attempt in attempts)
+    outcomes = [attempt.outcome for attempt in attempts if attempt.margin == smallest]
+    return SearchStatus.EXHAUSTED if SearchStatus.EXHAUSTED in outcomes else outcomes[-1]

@@ -17,7 +17,8 @@ class Direction(Enum):
 
     BACKWARD = "from the goal outwards"
     FORWARD = "from the start onwards"
-    TIGHT_END = "from the tighter end"
+    TIGHT_END = "from the end with less room"
+    WIDE_END = "from the end with more room"
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,8 @@ class HybridAStarOptions:
         resolutions: Tried in this order, each with every margin.
         margins: Demanded clearance to obstacles, m, tried in this order. A path with a larger margin makes
             a better guess, so begin with the larger.
-        directions: Ends to begin at. From the end with less room, usually the goal, is several times faster.
+        directions: Ends to begin at, tried in this order until one attempt does not just run into its limit.
+            From the end with less room, usually the goal, is several times faster.
         curvature_factor: Largest curvature used, relative to the vehicle's.
         gear_change: Cost of changing between forwards and reverse.
         reverse: Factor on the way driven in reverse.
@@ -78,7 +80,7 @@ class HybridAStarOptions:
 
     resolutions: tuple[Resolution, ...] = (COARSE, MEDIUM, FINE, FINEST)
     margins: tuple[float, ...] = (0.1, 0.05, 0.02)
-    directions: tuple[Direction, ...] = (Direction.TIGHT_END,)
+    directions: tuple[Direction, ...] = (Direction.TIGHT_END, Direction.WIDE_END)
     curvature_factor: float = 0.95
     gear_change: float = 2.0
     reverse: float = 1.0
@@ -90,7 +92,7 @@ class HybridAStarOptions:
     extra_expansions: int = 1000
     shortcuts: bool = True
     max_expansions: int = 300_000
-    time_limit: float = 20.0
+    time_limit: float = 10.0
     spacing: float = 0.1
     keep_closed: bool = False
 

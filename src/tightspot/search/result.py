@@ -13,7 +13,10 @@ class SearchStatus(Enum):
     """How a search ended; the value is the sentence that says so."""
 
     FOUND = "A path was found."
-    EXHAUSTED = "There is no path within the search's resolution: all that can be reached was looked at."
+    EXHAUSTED = (
+        "There is no path within the search's resolution: at the finest that was searched to its end, "
+        "all that can be reached was looked at."
+    )
     LIMIT_REACHED = "No path was found before the limit on expansions was reached; there may be one."
     TIME_LIMIT = "No path was found before the time limit; there may be one."
     START_BLOCKED = "The start pose does not keep the margin, so no path can begin there."
