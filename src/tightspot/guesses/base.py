@@ -7,12 +7,15 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
 from tightspot.scenarios.scenario import Scenario
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles.base import VehicleModel
 from tightspot.vehicles.single_track import SingleTrack
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +67,6 @@ def as_single_track(vehicle: VehicleModel, guess: str) -> SingleTrack:
     )
 
 
-def known(state: np.ndarray) -> np.ndarray:
+def known(state: Array) -> Array:
     """The state with its free (NaN) entries set to 0."""
-    return np.nan_to_num(np.asarray(state, float), nan=0.0)
+    return np.where(np.isnan(state), 0.0, state)

@@ -53,8 +53,8 @@ class ReducedSingleTrack(VehicleModel):
         return [(state[0], state[1], state[2])]
 
     def motion_bounds(self, before: Array, after: Array, controls: Array) -> list[MotionBounds]:
-        full = [np.hstack([state, controls]) for state in (before, after)]
-        return self.car.motion_bounds(*full, np.zeros_like(controls))
+        first, last = np.hstack([before, controls]), np.hstack([after, controls])
+        return self.car.motion_bounds(first, last, np.zeros_like(controls))
 
     def to_dict(self) -> dict[str, Any]:
         return {"model": "reduced_single_track", "car": self.car.to_dict()}

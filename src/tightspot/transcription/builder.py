@@ -78,6 +78,7 @@ class Builder:
         states: list[Any] = []
         inputs: list[Any] = []
         stages: list[Stage] = []
+        fixed_poses = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
         for k in range(steps + 1):
             fixed = start if k == 0 else goal if k == steps else np.full(low.size, np.nan)
             lower, upper = np.where(np.isnan(fixed), low, fixed), np.where(np.isnan(fixed), high, fixed)
@@ -88,7 +89,7 @@ class Builder:
                 control, control_slice = self._variables(f"u{k}", *self.vehicle.input_bounds, guess.inputs[k])
                 inputs.append(control)
             first_row = self.m
-            auxiliary = self._path_rows(k, states, inputs, guess, (~np.isnan(start), ~np.isnan(goal)))
+            auxiliary = self._path_rows(k, states, inputs, guess, fixed_poses)
             path, first_row = slice(first_row, self.m), self.m
             if k > 0:
                 self._dynamics(k, states, inputs)
@@ -137,16 +138,15 @@ class Builder:
         self._rows(after - states[k], zero, zero, "dynamics", k)
 
     def _path_rows(
-        self, k: int, states: list[Any], inputs: list[Any], guess: Trajectory, known: tuple[Any, Any]
+        self, k: int, states: list[Any], inputs: list[Any], guess: Trajectory, fixed_poses: tuple[bool, bool]
     ) -> slice:
         """W and separation rows that hold at knot k or on the interval that ends there; none at the start."""
         first = self.n
         if k > 0:
             samples = self._sample_states(k, states, inputs)
-            at_rest = [k == 1 and index == 0 for index in range(len(samples))]
-            at_rest[-1] = k == self.grid.steps
-            ends = [bool(known[0][:3].all()) if index == 0 else bool(known[1][:3].all()) for index in range(len(samples))]
-            fixed = [rest and end for rest, end in zip(at_rest, ends, strict=True)]
+            fixed = [False] * len(samples)
+            fixed[0] = fixed_poses[0] and k == 1 and len(samples) > 1
+            fixed[-1] = fixed_poses[1] and k == self.grid.steps
             covers = [self._cover(k, part, states, inputs) for part in self.vehicle.parts]
             for part_index, part in enumerate(self.vehicle.parts):
                 self._workspace_rows(k, part, samples, fixed, covers[part_index])

@@ -48,8 +48,12 @@ class TimeGrid:
         return np.diff(self.fractions)
 
     def split(self, intervals: ArrayLike, parts: int = 2) -> TimeGrid:
-        """A grid in which each of the named intervals is cut into ``parts`` equal ones."""
-        chosen = set(np.asarray(intervals, int).tolist())
+        """A grid in which each of the named intervals (0 to N - 1) is cut into ``parts`` equal ones."""
+        if parts < 1:
+            raise InputError(Problem("parts", f"{parts} is too few; an interval is cut into 1 or more"))
+        chosen = set(np.atleast_1d(np.asarray(intervals, int)).tolist())
+        for k in chosen - set(range(self.steps)):
+            raise InputError(Problem("intervals", f"{k} is not an interval of a grid of {self.steps}"))
         fractions = [self.fractions[:1]]
         for k in range(self.steps):
             pieces = parts if k in chosen else 1

@@ -65,6 +65,8 @@ class Settings:
         low, high = self.final_time_bounds
         if not 0 < low <= high:
             problems.append(Problem("final_time", f"[{low}, {high}] s must be positive and in order"))
+        if not self.heading_limit > 0:
+            problems.append(Problem("heading_limit", f"{self.heading_limit} rad must be positive"))
         if problems:
             raise InputError(problems)
 
@@ -144,21 +146,38 @@ def transcribe(
     shape = (grid.steps, len(vehicle.parts), len(obstacles))
     if active is None:
         active = np.ones(shape, bool)
-    if active.shape != shape:
-        raise InputError(Problem("active", f"has shape {active.shape}, but this problem needs {shape}"))
-    if len(settings.objective.input_weights) != vehicle.n_inputs:
-        raise InputError(
-            Problem("objective.input_weights", f"needs {vehicle.n_inputs} numbers, one for each of {vehicle.input_names}")
-        )
-    onto_grid = resample(guess, grid)
     start = np.array(scenario.start if start is None else start, float)
     goal = np.array(scenario.goal if goal is None else goal, float)
+    problems = _misfits(vehicle, guess, settings, {"start": start, "goal": goal})
+    if active.shape != shape:
+        problems.append(Problem("active", f"has shape {active.shape}, but this problem needs {shape}"))
+    if problems:
+        raise InputError(problems)
+    onto_grid = resample(guess, grid)
     goal[2] = nearest_angle(goal[2], onto_grid.states[-1, 2])
     start[2] = nearest_angle(start[2], onto_grid.states[0, 2])
     settings = _with_usable_margins(settings)
     builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active)
     nlp = builder.build(start, goal, onto_grid)
     return Transcription(nlp, grid, settings, active, vehicle)
+
+
+def _misfits(
+    vehicle: VehicleModel, guess: Trajectory, settings: Settings, ends: dict[str, Array]
+) -> list[Problem]:
+    """What does not fit the vehicle's states and inputs."""
+    problems = []
+    if (guess.state_names, guess.input_names) != (vehicle.state_names, vehicle.input_names):
+        names = (*vehicle.state_names, *vehicle.input_names)
+        problems.append(Problem("guess", f"has other columns than the vehicle's {names}"))
+    for name, state in ends.items():
+        if state.shape != (vehicle.n_states,):
+            problems.append(Problem(name, f"has shape {state.shape}; needs one number for each of {vehicle.state_names}"))
+    weights = settings.objective.input_weights
+    if len(weights) != vehicle.n_inputs:
+        sentence = f"needs {vehicle.n_inputs} numbers, one for each of {vehicle.input_names}"
+        problems.append(Problem("objective.input_weights", sentence))
+    return problems
 
 
 def _with_usable_margins(settings: Settings) -> Settings:
