@@ -95,6 +95,13 @@ def _obstacles(
     for index, (name, spec) in enumerate(zip(names, specs, strict=True)):
         if spec is None:
             continue
+        count = sum(map(len, (spec.vertices, *spec.holes)))
+        if count > schema.MAX_CORNERS:
+            sentence = (
+                f"has {count} vertices; at most {schema.MAX_CORNERS} a polygon are read: simplify or split it"
+            )
+            problems.append(Problem(f"obstacles[{index}].vertices", sentence))
+            continue
         rings = [np.array(ring, dtype=float).reshape(-1, 2) - offset for ring in (spec.vertices, *spec.holes)]
         try:
             obstacles.append(Obstacle(name, rings[0], tuple(rings[1:])))

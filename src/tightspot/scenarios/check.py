@@ -11,7 +11,6 @@ from tightspot.scenarios.clearances import (
     Clearance,
     body_vertices,
     clearances,
-    padded_vertices,
     workspace_excess,
 )
 from tightspot.scenarios.problems import shortened
@@ -106,10 +105,12 @@ def _advice(state: Array, scenario: Scenario, vehicle: VehicleModel, margin: flo
     reach = FARTHEST + margin
     names = {found.obstacle for found in clearances(scenario, vehicle, state, reach)}
     parts = [part.vertices for o in scenario.obstacles if o.name in names for part in o.parts]
-    for padded in padded_vertices(parts) if parts else ():
+    for part in parts:
+        low, high = part.min(axis=0) - margin, part.max(axis=0) + margin
         for _, vertices in bodies:
-            rows = np.flatnonzero(allowed)
-            allowed[rows] = signed_distance(vertices + steps[rows, None], padded) >= margin
+            beside = (steps + vertices.max(axis=0) <= low) | (steps + vertices.min(axis=0) >= high)
+            rows = np.flatnonzero(allowed & ~beside.any(axis=1))
+            allowed[rows] = signed_distance(vertices + steps[rows, None], part) >= margin
     if not allowed.any():
         return f"no place within {FARTHEST:g} m would do with this heading"
     x, y = steps[int(allowed.argmax())]

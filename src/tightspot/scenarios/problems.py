@@ -74,7 +74,7 @@ def prefixed(prefix: str, problems: Iterable[Problem]) -> list[Problem]:
 def near(word: str, known: Iterable[str], count: int = 1) -> list[str]:
     """The known words closest to ``word``, best first; empty if none is close."""
     lowered: dict[str, str] = {name.lower(): name for name in known}
-    matches = difflib.get_close_matches(word.lower()[:100], list(lowered), n=count, cutoff=0.6)
+    matches = difflib.get_close_matches(word.lower()[:100], list(lowered), n=count, cutoff=0.65)
     return [lowered[match] for match in matches]
 
 
@@ -134,7 +134,9 @@ def _sentence(detail: ErrorDetails) -> str:
     if kind in bounds:
         return f"{given} must be {words[bounds[kind]]} {ctx[bounds[kind]]:g}"
     if kind == "missing":
-        return "is missing"
+        return "is missing; add it"
+    if kind == "string_too_short":
+        return "is empty; write something or leave the key out"
     if kind == "literal_error":
         return f"{given} is not known to this version; it must be {ctx['expected']}"
     if kind in ("too_long", "string_too_long"):

@@ -24,10 +24,12 @@ from pydantic import (
 
 from tightspot import vehicles
 from tightspot.errors import Problem, VehicleError
-from tightspot.scenarios.problems import from_pydantic, near, refusal, shown, unknown_key
+from tightspot.scenarios.problems import from_pydantic, near, prefixed, refusal, shown, unknown_key
 
 FORMAT: Literal["tightspot-scene/1"] = "tightspot-scene/1"
 MAX_VERTICES = 50_000
+MAX_CORNERS = 1_000
+"""Of one polygon with its holes: decomposing it takes a second or two."""
 LARGEST_COORDINATE = 1e11
 """Beyond it a double no longer resolves the 0.1 mm that clearances need."""
 
@@ -202,8 +204,8 @@ class SceneSpec(Strict):
     workspace: Annotated[BoxSpec | list[Point] | None, WrapValidator(_workspace)] = Field(
         default=None,
         description="convex region that the body must not leave: {x: [min, max], y: [min, max]} or a list of "
-        "corners; if not given, the box around start and goal grown by 10 m, and further (at most 50 m) to take "
-        "in the obstacles",
+        "corners; if not given, the box around start and goal grown by 10 m, and further (at most 50 m) "
+        "to take in the obstacles",
         examples=[{"x": [-2.0, 15.0], "y": [-8.0, 8.0]}],
     )
     obstacles: list[ObstacleSpec] = Field(
@@ -254,7 +256,7 @@ def read(data: Any) -> tuple[dict[str, Any], list[Problem]]:
     problems = [unknown_key("", key, KNOWN[""]) for key in data if key not in KNOWN[""]]
     given = {key: value for key, value in data.items() if key in KNOWN[""] and value is not None}
     required = [key for key, field in SceneSpec.model_fields.items() if field.is_required()]
-    problems += [Problem(key, "is missing") for key in required if key not in given]
+    problems += [Problem(key, "is missing; add it") for key in required if key not in given]
     count = _vertex_count(given.get("obstacles"))
     if count > MAX_VERTICES:
         problems.append(
@@ -271,7 +273,7 @@ def read(data: Any) -> tuple[dict[str, Any], list[Problem]]:
                 spec.obstacles = []
                 spec.__dict__["obstacles"] = [_obstacle_or_none(item) for item in value]
             else:
-                del spec.__dict__[key]
+                spec.__dict__.pop(key, None)
     problems += _vehicle_problems(spec.__dict__.get("vehicle"))
     return {key: value for key, value in spec.__dict__.items() if key in KNOWN[""]}, problems
 
@@ -302,7 +304,5 @@ def _vehicle_problems(vehicle: Any) -> list[Problem]:
         try:
             vehicles.from_dict(vehicle)
         except VehicleError as error:
-            return [
-                Problem(f"vehicle.{problem.path}".rstrip("."), problem.message) for problem in error.problems
-            ]
+            return prefixed("vehicle", error.problems)
     return []

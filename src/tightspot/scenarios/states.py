@@ -59,11 +59,11 @@ def state_problems(path: str, state: Array) -> list[Problem]:
             )
         )
     if np.isfinite(delta) and abs(delta) >= np.pi / 2:
+        hint = f": {delta:g} deg = {np.radians(delta):.6g} rad" if abs(delta) > 2 else ""
         problems.append(
             Problem(
                 f"{path}.delta",
-                f"a steering angle of {delta:g} rad is not below pi/2 (90 deg); "
-                f"angles are in radians: {delta:g} deg = {np.radians(delta):.6g} rad",
+                f"a steering angle of {delta:g} rad is not below pi/2 (90 deg); angles are in radians{hint}",
             )
         )
     return problems

@@ -1,8 +1,8 @@
 """Scenes of the Trajectory Planning Competition for Automated Parking: CSV files of numbers only.
 
 Values, 1-based: V1-3 start x, y, theta; V4-6 goal x, y, theta; V7 number of obstacles n; then n vertex
-counts; then the vertices x, y, obstacle after obstacle, unclosed. Metres and radians, the pose is the rear-axle
-midpoint.
+counts; then the vertices x, y, obstacle after obstacle, unclosed. Metres and radians, the pose is that of the
+rear-axle midpoint.
 
 What the format leaves open is set here: the workspace is the box around start and goal grown by 15 m, the
 vehicle ``tpcap``, the demanded clearance 0.02 m, both ends at rest with straight wheels. Headings are wrapped
