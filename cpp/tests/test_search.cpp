@@ -116,6 +116,15 @@ TEST(the_grid_never_overrates_the_way) {
     CHECK(grid.lower_bound({parked.x, parked.y}) <= length);
 }
 
+TEST(a_rear_axle_beside_the_body_may_pass_over_obstacles) {
+    const Footprint crane({rectangle(2.0, 5.0, -1.0, 1.0)});
+    CHECK(crane.inscribed < 0.0);
+    const CollisionChecker checker(crane, rectangle(-10, 20, -10, 10), {rectangle(-0.5, 0.5, -10, 10)}, 0.05);
+    const SearchResult result = HybridAStar(checker, options()).run({0, 0, 0}, {8, 3, 0.5});
+    CHECK(result.outcome == Outcome::found);
+    check_path(checker, {0, 0, 0}, {8, 3, 0.5}, result.arcs);
+}
+
 TEST(the_closed_set_survives_growing) {
     ClosedSet set(4);
     for (int i = 0; i < 50000; ++i) set.set(static_cast<std::uint64_t>(i) * 7919U + 1U, i);

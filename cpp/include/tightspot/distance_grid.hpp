@@ -46,6 +46,7 @@ private:
 
     void block(const CollisionChecker& checker) {
         const double disc = checker.footprint().inscribed;
+        if (disc < 0.0) return;  // a point beside the body may be anywhere
         const double border = disc - grid_.half_diagonal();
         const double near = border + checker.margin();
         const Polygon& workspace = checker.workspace();

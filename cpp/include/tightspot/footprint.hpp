@@ -15,7 +15,7 @@ struct Footprint {
     std::vector<Polygon> parts;
     Point centre;            ///< of the circle around the body, in the body frame
     double radius = 0.0;     ///< of that circle
-    double inscribed = 0.0;  ///< radius of a disc about the rear-axle midpoint that lies in the body, 0 if none
+    double inscribed = -HUGE_VAL;  ///< radius of a disc about the rear-axle midpoint in the body, negative if none
     double narrowest = 0.0;  ///< shorter side of the body's bounding box
 
     explicit Footprint(std::vector<Polygon> convex_parts) : parts(std::move(convex_parts)) {
