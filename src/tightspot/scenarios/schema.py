@@ -87,7 +87,9 @@ def _interval(value: Any) -> tuple[float, float]:
 
 
 def _printable(value: Any) -> Any:
-    if isinstance(value, str) and not value.isprintable():
+    if not isinstance(value, str | None):
+        raise refusal(f"must be text, but is {shown(value)}")
+    if value is not None and not value.isprintable():
         raise refusal("contains characters that cannot be printed, such as a line break; remove them")
     return value
 

@@ -44,6 +44,8 @@ def _bytes(path: Path) -> bytes:
             raise refuse(path, f"has {size:.0f} MB; scenes of at most {MAX_BYTES / 1e6:.0f} MB are read")
         with path.open("rb") as file:
             return file.read(MAX_BYTES + 1)
+    except SceneError:  # a ValueError too, so it must not reach the clause below
+        raise
     except FileNotFoundError:
         raise refuse(path, f"does not exist{_alternatives(path)}") from None
     except OSError as error:

@@ -47,7 +47,7 @@ def read_tpcap(path: Path) -> Scenario:
     Raises:
         SceneError: Not numbers, fewer or more numbers than announced, or a scene that is none.
     """
-    values = _numbers(path, read_text(path))
+    values = _numbers(read_text(path))
     counts = _counts(path, values)
     ends = 7 + len(counts) + 2 * np.cumsum([0, *counts])
     rings = [values[a:b].reshape(-1, 2) for a, b in itertools.pairwise(ends)]
@@ -75,7 +75,7 @@ def _pose(values: Array) -> dict[str, float]:
     return {"x": x, "y": y, "theta": float(wrap_angle(theta))}
 
 
-def _numbers(path: Path, text: str) -> Array:
+def _numbers(text: str) -> Array:
     values: list[float] = []
     problems: list[Problem] = []
     for number, line in enumerate(text.splitlines(), start=1):
@@ -86,17 +86,17 @@ def _numbers(path: Path, text: str) -> Array:
             except ValueError:
                 value = float("nan")
             if not np.isfinite(value):
-                problems.append(Problem(f"{path.name}:{number}", _token_sentence(token, len(values) + 1)))
+                problems.append(Problem(f"value {len(values) + 1}", _token_sentence(token, number)))
             values.append(value)
     if problems:
         raise SceneError(shortened(problems))
     return np.array(values)
 
 
-def _token_sentence(token: str, position: int) -> str:
+def _token_sentence(token: str, line: int) -> str:
     if not token:
-        return f"value {position} is missing: there is nothing between two separators"
-    return f"value {position}, {shown(token)}, is not a finite number; a TPCAP file holds numbers only"
+        return f"is missing: there is nothing between two separators in line {line}"
+    return f"{shown(token)} in line {line} is not a finite number; a TPCAP file holds numbers only"
 
 
 def _counts(path: Path, values: Array) -> list[int]:
