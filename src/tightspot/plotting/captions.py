@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from decimal import ROUND_FLOOR, Decimal
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -79,7 +80,7 @@ def verdict(certificate: Certificate | None) -> tuple[str, str, bool]:
 
 def floor_mm(length: float) -> str:
     """A length in m with three decimals, rounded down: a bound must not be promised larger than it is."""
-    return f"{math.floor(length * 1000 + 1e-6) / 1000:.3f}"
+    return str(Decimal(repr(float(length))).quantize(Decimal("0.001"), ROUND_FLOOR))
 
 
 def gear_changes(count: int) -> str:

@@ -91,7 +91,7 @@ def draw_clearance(
     bound = certified if certified is not None and np.isfinite(certified) else 0.0
     reference = max(margin or 0.0, bound, -lowest)
     finite = clearance[np.isfinite(clearance)]
-    shown = max(1.0, 5 * reference, 1.5 * float(finite.min(initial=0.0)))
+    shown = max(1.0, 5 * reference, 1.5 * float(finite.min()) if finite.size else 0.0)
     highest = min(1.06 * float(finite.max(initial=0.2)), shown)
     if proved is not None:
         cuts, bounds = proved

@@ -195,6 +195,7 @@ def _draw_arrows(axes: Axes, poses: Array, gear: int) -> None:
             markerfacecolor=style.GEAR[gear],
             markeredgecolor="white",
             markeredgewidth=1.0,
+            gid="arrow",
             zorder=8,
         )
 
