@@ -95,20 +95,28 @@ std::pair<std::string, Column> from_word(const Word& word, double radius) {
 
 const char* name(Outcome outcome) {
     switch (outcome) {
-        case Outcome::found: return "found";
-        case Outcome::exhausted: return "exhausted";
-        case Outcome::disconnected: return "disconnected";
-        case Outcome::expansion_limit: return "expansion_limit";
-        case Outcome::time_limit: return "time_limit";
-        case Outcome::start_blocked: return "start_blocked";
-        case Outcome::goal_blocked: return "goal_blocked";
-        case Outcome::interrupted: break;
+        case Outcome::found:
+            return "found";
+        case Outcome::exhausted:
+            return "exhausted";
+        case Outcome::disconnected:
+            return "disconnected";
+        case Outcome::expansion_limit:
+            return "expansion_limit";
+        case Outcome::time_limit:
+            return "time_limit";
+        case Outcome::start_blocked:
+            return "start_blocked";
+        case Outcome::goal_blocked:
+            return "goal_blocked";
+        case Outcome::interrupted:
+            break;
     }
     return "interrupted";
 }
 
-nb::dict search(const CollisionChecker& checker, const Vector3& start, const Vector3& goal, const SearchOptions& options,
-                bool shortcuts) {
+nb::dict search(const CollisionChecker& checker, const Vector3& start, const Vector3& goal,
+                const SearchOptions& options, bool shortcuts) {
     const Pose from = to_pose(start), to = to_pose(goal);
     SearchResult result;
     {
@@ -140,40 +148,65 @@ nb::dict search(const CollisionChecker& checker, const Vector3& start, const Vec
 }
 
 void bind_reeds_shepp(nb::module_& m) {
-    m.def("reeds_shepp_shortest", [](const Vector3& start, const Vector3& goal, double radius) {
-        return from_word(reeds_shepp::shortest(to_pose(start), to_pose(goal), radius), radius);
-    }, "start"_a, "goal"_a, "radius"_a);
-    m.def("reeds_shepp_all", [](const Vector3& start, const Vector3& goal, double radius) {
-        std::vector<std::pair<std::string, Column>> words;
-        for (const Word& word : reeds_shepp::all(to_pose(start), to_pose(goal), radius)) words.push_back(from_word(word, radius));
-        return words;
-    }, "start"_a, "goal"_a, "radius"_a);
-    m.def("sample_arcs", [](const Vector3& start, const Rows2& arcs, double spacing) {
-        std::vector<double> values;
-        for (const Sample& s : sample(to_pose(start), to_arcs(arcs), spacing))
-            values.insert(values.end(), {s.pose.x, s.pose.y, s.pose.theta, s.curvature, static_cast<double>(s.gear)});
-        return table(std::move(values), 5);
-    }, "start"_a, "arcs"_a, "spacing"_a);
+    m.def(
+        "reeds_shepp_shortest",
+        [](const Vector3& start, const Vector3& goal, double radius) {
+            return from_word(reeds_shepp::shortest(to_pose(start), to_pose(goal), radius), radius);
+        },
+        "start"_a, "goal"_a, "radius"_a);
+    m.def(
+        "reeds_shepp_all",
+        [](const Vector3& start, const Vector3& goal, double radius) {
+            std::vector<std::pair<std::string, Column>> words;
+            for (const Word& word : reeds_shepp::all(to_pose(start), to_pose(goal), radius))
+                words.push_back(from_word(word, radius));
+            return words;
+        },
+        "start"_a, "goal"_a, "radius"_a);
+    m.def(
+        "sample_arcs",
+        [](const Vector3& start, const Rows2& arcs, double spacing) {
+            std::vector<double> values;
+            for (const Sample& s : sample(to_pose(start), to_arcs(arcs), spacing))
+                values.insert(values.end(),
+                              {s.pose.x, s.pose.y, s.pose.theta, s.curvature, static_cast<double>(s.gear)});
+            return table(std::move(values), 5);
+        },
+        "start"_a, "arcs"_a, "spacing"_a);
 }
 
 void bind_checker(nb::module_& m) {
     nb::class_<CollisionChecker>(m, "CollisionChecker")
-        .def("__init__", [](CollisionChecker* self, const std::vector<Rows2>& parts, const Rows2& workspace,
-                            const std::vector<Rows2>& obstacles, double margin) {
-            new (self) CollisionChecker(Footprint(to_polygons(parts)), to_polygon(workspace), to_polygons(obstacles), margin);
-        }, "parts"_a, "workspace"_a, "obstacles"_a, "margin"_a)
-        .def("slack", [](const CollisionChecker& self, const Rows3& poses) {
-            std::vector<double> slacks;
-            for (std::size_t i = 0; i < poses.shape(0); ++i) slacks.push_back(self.slack({poses(i, 0), poses(i, 1), poses(i, 2)}));
-            return column(std::move(slacks));
-        }, "poses"_a)
-        .def("contact", [](const CollisionChecker& self, const Vector3& pose) {
-            const Contact contact = self.contact(to_pose(pose));
-            return std::pair<int, double>(contact.obstacle, contact.clearance);
-        }, "pose"_a)
-        .def("free_length", [](const CollisionChecker& self, const Vector3& pose, double longest, double curvature) {
-            return self.free_length(to_pose(pose), longest, curvature);
-        }, "pose"_a, "longest"_a, "curvature"_a)
+        .def(
+            "__init__",
+            [](CollisionChecker* self, const std::vector<Rows2>& parts, const Rows2& workspace,
+               const std::vector<Rows2>& obstacles, double margin) {
+                new (self) CollisionChecker(Footprint(to_polygons(parts)), to_polygon(workspace),
+                                            to_polygons(obstacles), margin);
+            },
+            "parts"_a, "workspace"_a, "obstacles"_a, "margin"_a)
+        .def(
+            "slack",
+            [](const CollisionChecker& self, const Rows3& poses) {
+                std::vector<double> slacks;
+                for (std::size_t i = 0; i < poses.shape(0); ++i)
+                    slacks.push_back(self.slack({poses(i, 0), poses(i, 1), poses(i, 2)}));
+                return column(std::move(slacks));
+            },
+            "poses"_a)
+        .def(
+            "contact",
+            [](const CollisionChecker& self, const Vector3& pose) {
+                const Contact contact = self.contact(to_pose(pose));
+                return std::pair<int, double>(contact.obstacle, contact.clearance);
+            },
+            "pose"_a)
+        .def(
+            "free_length",
+            [](const CollisionChecker& self, const Vector3& pose, double longest, double curvature) {
+                return self.free_length(to_pose(pose), longest, curvature);
+            },
+            "pose"_a, "longest"_a, "curvature"_a)
         .def_prop_ro("narrowest", [](const CollisionChecker& self) { return self.footprint().narrowest; })
         .def_prop_ro("pose_checks", &CollisionChecker::pose_checks)
         .def_prop_ro("pair_tests", &CollisionChecker::pair_tests);

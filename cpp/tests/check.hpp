@@ -44,13 +44,14 @@ inline void close(double value, double wanted, double tolerance, const char* tex
     ++checks();
     if (std::abs(value - wanted) <= tolerance) return;
     ++failures();
-    std::cerr << file << ":" << line << ": " << text << ": " << value << " is not " << wanted << " within " << tolerance << "\n";
+    std::cerr << file << ":" << line << ": " << text << ": " << value << " is not " << wanted << " within " << tolerance
+              << "\n";
 }
 
 }  // namespace check
 
-#define TEST(name)                                                       \
-    static void test_##name();                                           \
+#define TEST(name)                                                          \
+    static void test_##name();                                              \
     static const check::Registration registered_##name(#name, test_##name); \
     static void test_##name()
 #define CHECK(condition) check::that((condition), #condition, __FILE__, __LINE__)

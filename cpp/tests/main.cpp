@@ -6,6 +6,7 @@ int main() {
         test.body();
         if (check::failures() != before) std::cerr << "FAILED " << test.name << "\n";
     }
-    std::cout << check::cases().size() << " tests, " << check::checks() << " checks, " << check::failures() << " failed\n";
+    std::cout << check::cases().size() << " tests, " << check::checks() << " checks, " << check::failures()
+              << " failed\n";
     return check::failures() == 0 ? 0 : 1;
 }

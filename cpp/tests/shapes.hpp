@@ -21,7 +21,8 @@ inline Footprint car() { return Footprint({rectangle(-0.929, 3.699, -1.0485, 1.0
 inline CollisionChecker slot(double width, double margin) {
     const double middle = 6.3;
     return CollisionChecker(car(), rectangle(-2, 15, -8, 8),
-                            {rectangle(0, middle - width / 2, -8, -2), rectangle(middle + width / 2, 15, -8, -2)}, margin);
+                            {rectangle(0, middle - width / 2, -8, -2), rectangle(middle + width / 2, 15, -8, -2)},
+                            margin);
 }
 
 inline SearchOptions options() {

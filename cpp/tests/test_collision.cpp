@@ -39,7 +39,8 @@ TEST(slack_bounds_the_clearance_and_agrees_on_its_sign) {
             std::vector<Point> points;
             const int corners = 3 + i % 5;
             for (int k = 0; k < corners; ++k)
-                points.push_back({x + std::cos(turn + 2 * pi * k / corners), y + 0.6 * std::sin(turn + 2 * pi * k / corners)});
+                points.push_back(
+                    {x + std::cos(turn + 2 * pi * k / corners), y + 0.6 * std::sin(turn + 2 * pi * k / corners)});
             obstacles.emplace_back(points);
         }
         const CollisionChecker checker(car(), rectangle(0, 30, 0, 30), obstacles, margin);

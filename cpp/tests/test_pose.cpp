@@ -53,7 +53,8 @@ TEST(cost_of_a_path_is_the_same_in_both_directions) {
     CHECK_CLOSE(cost.path(reversed(arcs)), cost.path(arcs), 1e-12);  // reverse factor 1
     cost.reverse = 2.0;
     CHECK(cost.path(arcs) > cost.path({{2, 0.3}, {1, 0.0}, {3, -0.3}, {1, 0.15}}) - 2.0 * cost.gear_change);
-    CHECK_CLOSE(cost.path(arcs), 2 * 1.1 + 1 + 2 * 3 * 1.1 + 1.05 + 2 * cost.gear_change + 0.5 * (1 + 1 + 1 + 1.5 + 0.5), 1e-12);
+    CHECK_CLOSE(cost.path(arcs),
+                2 * 1.1 + 1 + 2 * 3 * 1.1 + 1.05 + 2 * cost.gear_change + 0.5 * (1 + 1 + 1 + 1.5 + 0.5), 1e-12);
 }
 
 TEST(samples_are_dense_and_end_where_the_arcs_do) {

@@ -61,8 +61,9 @@ TEST(words_with_zero_lengths_are_found) {
 
 TEST(nearly_degenerate_goals_are_reached) {
     for (const double eps : {1e-15, 1e-12, 1e-10, 1e-9, 1e-7, 1e-5}) {
-        for (const Pose goal : {Pose{eps, 0, 0}, Pose{0, eps, 0}, Pose{0, 0, eps}, Pose{3, eps, -eps}, Pose{-3, -eps, eps},
-                                Pose{0, 2, pi - eps}, Pose{0, 0, pi - eps}, Pose{2, 0, -pi + eps}, Pose{0, -4, eps}}) {
+        for (const Pose goal :
+             {Pose{eps, 0, 0}, Pose{0, eps, 0}, Pose{0, 0, eps}, Pose{3, eps, -eps}, Pose{-3, -eps, eps},
+              Pose{0, 2, pi - eps}, Pose{0, 0, pi - eps}, Pose{2, 0, -pi + eps}, Pose{0, -4, eps}}) {
             const Word word = reeds_shepp::shortest({0, 0, 0}, goal, 1.0);
             CHECK(defect({0, 0, 0}, goal, word, 1.0) < 1e-7);
             CHECK(std::isfinite(word.length()));

@@ -58,7 +58,8 @@ public:
             if (circle_bound(obstacle, middle) - margin_ >= best) continue;
             ++pair_tests_;
             place_once();
-            for (const Polygon& part : placed_) best = std::min(best, clearance_up_to(part, obstacle, best + margin_) - margin_);
+            for (const Polygon& part : placed_)
+                best = std::min(best, clearance_up_to(part, obstacle, best + margin_) - margin_);
             if (best <= 0.0) return best;
         }
         return best;
@@ -112,7 +113,8 @@ public:
         Contact nearest{Contact::nothing, HUGE_VAL};
         for (std::size_t w = 0; w < workspace_.size(); ++w) {
             const double clearance = wall_clearance(w);
-            if (clearance < nearest.clearance && clearance < -border_tolerance) nearest = {Contact::workspace, clearance};
+            if (clearance < nearest.clearance && clearance < -border_tolerance)
+                nearest = {Contact::workspace, clearance};
         }
         if (nearest.obstacle == Contact::workspace) return nearest;
         for (std::size_t j = 0; j < map_.obstacles().size(); ++j) {

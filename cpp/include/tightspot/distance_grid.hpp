@@ -89,9 +89,11 @@ private:
             if (step.is_jump()) {
                 const int half_c = step.columns / 2, half_r = step.rows / 2;
                 if (is_blocked(column + half_c, row + half_r) &&
-                    is_blocked(column + step.columns - half_c, row + step.rows - half_r)) continue;
+                    is_blocked(column + step.columns - half_c, row + step.rows - half_r))
+                    continue;
             }
-            push(r * grid_.columns + c, distance_[index] + static_cast<float>(grid_.cell * std::hypot(step.columns, step.rows)));
+            push(r * grid_.columns + c,
+                 distance_[index] + static_cast<float>(grid_.cell * std::hypot(step.columns, step.rows)));
         }
     }
 
@@ -104,8 +106,8 @@ private:
         int columns, rows;
         bool is_jump() const { return std::abs(columns) + std::abs(rows) == 3; }
     };
-    static constexpr Step steps[16] = {{1, 0},  {-1, 0}, {0, 1},  {0, -1}, {1, 1},  {1, -1},  {-1, 1},  {-1, -1},
-                                       {2, 1},  {2, -1}, {-2, 1}, {-2, -1}, {1, 2}, {1, -2}, {-1, 2}, {-1, -2}};
+    static constexpr Step steps[16] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},  {1, 1}, {1, -1}, {-1, 1}, {-1, -1},
+                                       {2, 1}, {2, -1}, {-2, 1}, {-2, -1}, {1, 2}, {1, -2}, {-1, 2}, {-1, -2}};
 
     Grid grid_;
     std::vector<char> blocked_;

@@ -13,10 +13,10 @@ namespace tightspot {
 
 struct Footprint {
     std::vector<Polygon> parts;
-    Point centre;            ///< of the circle around the body, in the body frame
-    double radius = 0.0;     ///< of that circle
+    Point centre;                  ///< of the circle around the body, in the body frame
+    double radius = 0.0;           ///< of that circle
     double inscribed = -HUGE_VAL;  ///< radius of a disc about the rear-axle midpoint in the body, negative if none
-    double narrowest = 0.0;  ///< shorter side of the body's bounding box
+    double narrowest = 0.0;        ///< shorter side of the body's bounding box
 
     explicit Footprint(std::vector<Polygon> convex_parts) : parts(std::move(convex_parts)) {
         if (parts.empty()) throw std::invalid_argument("a body needs at least one part");

@@ -20,23 +20,32 @@
 namespace tightspot {
 
 struct SearchOptions {
-    double cell = 0.4;           ///< side of a position cell, m
-    int heading_bins = 72;       ///< heading cells of a full turn
-    double step = 0.6;           ///< length of an arc, m
-    int steering_levels = 5;     ///< curvatures from full left to full right, odd
-    double full_curvature = 0.2; ///< largest curvature used, 1/m
+    double cell = 0.4;            ///< side of a position cell, m
+    int heading_bins = 72;        ///< heading cells of a full turn
+    double step = 0.6;            ///< length of an arc, m
+    int steering_levels = 5;      ///< curvatures from full left to full right, odd
+    double full_curvature = 0.2;  ///< largest curvature used, 1/m
     MotionCost cost;
     double heuristic_weight = 1.0;
-    bool backward = true;            ///< from the goal outwards
-    int max_words = 10;              ///< Reeds-Shepp words tried at a node
-    int extra_expansions = 1000;     ///< go on after the first path for that many, or half of those it took
+    bool backward = true;         ///< from the goal outwards
+    int max_words = 10;           ///< Reeds-Shepp words tried at a node
+    int extra_expansions = 1000;  ///< go on after the first path for that many, or half of those it took
     int max_expansions = 100000;
-    double time_limit = 10.0;        ///< s
-    bool keep_closed = false;        ///< also return the poses expanded
+    double time_limit = 10.0;  ///< s
+    bool keep_closed = false;  ///< also return the poses expanded
 };
 
 /// `disconnected`: not even the body's inscribed disc gets from one end to the other, so there is no path at all.
-enum class Outcome { found, exhausted, disconnected, expansion_limit, time_limit, start_blocked, goal_blocked, interrupted };
+enum class Outcome {
+    found,
+    exhausted,
+    disconnected,
+    expansion_limit,
+    time_limit,
+    start_blocked,
+    goal_blocked,
+    interrupted
+};
 
 struct SearchResult {
     Outcome outcome = Outcome::exhausted;
@@ -63,8 +72,7 @@ public:
           time_(options.backward ? -1 : 1),
           closed_(expected_nodes) {
         const int levels = std::max(3, options.steering_levels | 1);
-        for (int i = 0; i < levels; ++i)
-            curvatures_.push_back(options.full_curvature * (2.0 * i / (levels - 1) - 1.0));
+        for (int i = 0; i < levels; ++i) curvatures_.push_back(options.full_curvature * (2.0 * i / (levels - 1) - 1.0));
         cells_.origin = Box(checker.workspace().vertices).low;
         cells_.size = options.cell;
         cells_.heading_bins = options.heading_bins;
@@ -80,7 +88,8 @@ public:
         if (!is_blocked(start, Outcome::start_blocked, result) && !is_blocked(goal, Outcome::goal_blocked, result)) {
             const Pose& root = options_.backward ? goal : start;
             target_ = options_.backward ? start : goal;
-            DistanceGrid grid(checker_, {target_.x, target_.y}, std::max(options_.cell, 0.12 * checker_.footprint().narrowest));
+            DistanceGrid grid(checker_, {target_.x, target_.y},
+                              std::max(options_.cell, 0.12 * checker_.footprint().narrowest));
             result.outcome = search(root, grid, began, interrupt, result);
             if (best_node_ >= 0) result.arcs = path();
             result.cost = best_cost_;

@@ -79,7 +79,8 @@ public:
         std::vector<std::pair<int, int>> entries;
         for (std::size_t j = 0; j < obstacles_.size(); ++j) {
             grid_.for_each_near(obstacles_[j], reach, [&](int index) {
-                if (point_distance(obstacles_[j], grid_.middle(index)) <= cutoff) entries.emplace_back(index, static_cast<int>(j));
+                if (point_distance(obstacles_[j], grid_.middle(index)) <= cutoff)
+                    entries.emplace_back(index, static_cast<int>(j));
             });
         }
         std::stable_sort(entries.begin(), entries.end());

@@ -23,7 +23,8 @@ inline std::vector<Sample> sample(const Pose& start, const std::vector<Arc>& arc
     for (const Arc& arc : arcs) {
         const int count = std::max(1, static_cast<int>(std::ceil(std::abs(arc.length) / spacing - 1e-9)));
         for (int i = 1; i <= count; ++i)
-            samples.push_back({advance(from, {arc.length * i / count, arc.curvature}), arc.curvature, MotionCost::gear(arc)});
+            samples.push_back(
+                {advance(from, {arc.length * i / count, arc.curvature}), arc.curvature, MotionCost::gear(arc)});
         from = samples.back().pose;
     }
     return samples;

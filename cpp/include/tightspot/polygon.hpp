@@ -22,8 +22,10 @@ struct Polygon {
     /// Vertices of a convex polygon in either winding; repeated ones are dropped.
     explicit Polygon(const std::vector<Point>& points) {
         for (const Point& p : points)
-            if (vertices.empty() || std::hypot(p.x - vertices.back().x, p.y - vertices.back().y) > 1e-12) vertices.push_back(p);
-        while (vertices.size() > 1 && std::hypot(vertices.front().x - vertices.back().x, vertices.front().y - vertices.back().y) <= 1e-12)
+            if (vertices.empty() || std::hypot(p.x - vertices.back().x, p.y - vertices.back().y) > 1e-12)
+                vertices.push_back(p);
+        while (vertices.size() > 1 &&
+               std::hypot(vertices.front().x - vertices.back().x, vertices.front().y - vertices.back().y) <= 1e-12)
             vertices.pop_back();
         if (vertices.size() < 3) throw std::invalid_argument("a polygon needs at least three distinct vertices");
         if (doubled_area() < 0.0) std::reverse(vertices.begin(), vertices.end());
@@ -90,7 +92,8 @@ inline double point_distance(const Polygon& polygon, Point q) {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
         if (dot(polygon.normals[i], q) <= polygon.offsets[i]) continue;
         inside = false;
-        nearest = std::min(nearest, segment_distance(q, polygon.vertices[i], polygon.vertices[(i + 1) % polygon.size()]));
+        nearest =
+            std::min(nearest, segment_distance(q, polygon.vertices[i], polygon.vertices[(i + 1) % polygon.size()]));
     }
     return inside ? 0.0 : nearest;
 }

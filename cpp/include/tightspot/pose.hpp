@@ -33,7 +33,8 @@ inline double wrap_angle(double angle) { return std::remainder(angle, 2.0 * pi);
 /// The pose after driving along `arc` from `pose`; the heading is not wrapped.
 inline Pose advance(const Pose& pose, Arc arc) {
     const double half_turn = 0.5 * arc.length * arc.curvature;
-    const double sinc = std::abs(half_turn) < 1e-4 ? 1.0 - half_turn * half_turn / 6.0 : std::sin(half_turn) / half_turn;
+    const double sinc =
+        std::abs(half_turn) < 1e-4 ? 1.0 - half_turn * half_turn / 6.0 : std::sin(half_turn) / half_turn;
     const double chord = arc.length * sinc;
     const double direction = pose.theta + half_turn;
     return {pose.x + chord * std::cos(direction), pose.y + chord * std::sin(direction), pose.theta + 2.0 * half_turn};

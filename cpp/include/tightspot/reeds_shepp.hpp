@@ -178,11 +178,16 @@ enum class Term : unsigned char { t, u, v, minus_u, minus_quarter };
 
 inline double value(Term term, const Lengths& lengths) {
     switch (term) {
-        case Term::t: return lengths.t;
-        case Term::u: return lengths.u;
-        case Term::v: return lengths.v;
-        case Term::minus_u: return -lengths.u;
-        case Term::minus_quarter: break;
+        case Term::t:
+            return lengths.t;
+        case Term::u:
+            return lengths.u;
+        case Term::v:
+            return lengths.v;
+        case Term::minus_u:
+            return -lengths.u;
+        case Term::minus_quarter:
+            break;
     }
     return -0.5 * pi;
 }
@@ -235,12 +240,14 @@ void for_each_word(const Pose& goal, double radius, Visit&& visit) {
         const double ahead = opposite ? x * c + y * s : x;
         const double aside = opposite ? x * s - y * c : y;
         for (const bool reflected : {false, true}) {
-            const detail::Goal direct = reflected ? detail::Goal(ahead, -aside, -phi, -s, c) : detail::Goal(ahead, aside, phi, s, c);
+            const detail::Goal direct =
+                reflected ? detail::Goal(ahead, -aside, -phi, -s, c) : detail::Goal(ahead, aside, phi, s, c);
             for (const bool flipped : {false, true}) {
                 const detail::Goal target = flipped ? direct.time_flipped() : direct;
                 for (const detail::Family& family : detail::families) {
                     if (opposite && !family.has_opposite_order) continue;
-                    if (family.equation(target, lengths)) visit(detail::assemble(family, lengths, flipped, reflected, opposite));
+                    if (family.equation(target, lengths))
+                        visit(detail::assemble(family, lengths, flipped, reflected, opposite));
                 }
             }
         }
@@ -286,7 +293,8 @@ inline std::vector<Word> all(const Pose& start, const Pose& goal, double radius)
     std::stable_sort(words.begin(), words.end(), [](const Word& a, const Word& b) { return a.length() < b.length(); });
     std::vector<Word> distinct;
     for (const Word& word : words) {
-        const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Word& w) { return same_word(w, word); });
+        const bool known =
+            std::any_of(distinct.begin(), distinct.end(), [&](const Word& w) { return same_word(w, word); });
         if (!known) distinct.push_back(word);
     }
     return distinct;

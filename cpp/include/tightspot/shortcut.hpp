@@ -58,7 +58,8 @@ private:
         candidates_.clear();
         for (std::size_t i = 0; i + 1 < knots_.size(); ++i)
             for (std::size_t j = i + 1; j < knots_.size(); ++j) collect(i, j);
-        std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) { return a.gain > b.gain; });
+        std::stable_sort(candidates_.begin(), candidates_.end(),
+                         [](const Candidate& a, const Candidate& b) { return a.gain > b.gain; });
         for (const Candidate& candidate : candidates_) {
             if (!is_free(candidate)) continue;
             arcs = merged(replaced(candidate));
