@@ -54,9 +54,17 @@ class GivenPath(Guess):
         poses[:, 2] += nearest_angle(poses[0, 2], start[2]) - poses[0, 2]
         goal[2] = nearest_angle(goal[2], poses[-1, 2])
         poses = np.vstack([start[:3], poses, goal[:3]])
-        keep = np.r_[True, np.hypot(*np.diff(poses[:, :2], axis=0).T) > 1e-6]
+        trajectory = time_path(_distinct(poses), car, start, goal)
+        return GuessResult(trajectory, f"The given path of {len(self.poses)} poses.")
+
+
+def _distinct(poses: Array, tolerance: float = 1e-6) -> Array:
+    """The poses without those that stay where the one before is; the first and the last are kept."""
+    keep = np.r_[True, np.hypot(*np.diff(poses[:, :2], axis=0).T) > tolerance]
+    if not keep[-1]:
+        keep[np.flatnonzero(keep[1:])[-1:] + 1] = False
         keep[-1] = True
-        return GuessResult(time_path(poses[keep], car, start, goal), f"The given path of {len(self.poses)} poses.")
+    return poses[keep]
 
 
 def time_path(poses: Array, car: SingleTrack, start: Array, goal: Array) -> Trajectory:
@@ -69,10 +77,9 @@ def time_path(poses: Array, car: SingleTrack, start: Array, goal: Array) -> Traj
     limit = car.limits.steering
     steering = np.clip(np.arctan(curvature * car.wheelbase), -limit, limit)
     durations, speeds = _speeds(chords, gears, car)
-    turn = np.abs(np.diff(np.r_[start[4], steering, goal[4]])) / car.limits.steering_rate
-    durations = np.maximum(durations, np.maximum(turn[:-1], turn[1:]))
-    t = np.r_[0.0, np.cumsum(durations)]
     delta = np.r_[start[4], (steering[1:] + steering[:-1]) / 2, goal[4]]
+    durations = np.maximum(durations, np.abs(np.diff(delta)) / car.limits.steering_rate)
+    t = np.r_[0.0, np.cumsum(durations)]
     states = np.column_stack([poses, speeds, delta])
     inputs = np.column_stack([np.diff(speeds), np.diff(delta)]) / durations[:, None]
     low, high = car.input_bounds

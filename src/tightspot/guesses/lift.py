@@ -45,7 +45,8 @@ def lift_arcs(arcs: Sequence[Arc], start: Array, goal_steering: float, vehicle: 
 
     Args:
         arcs: The path; ``|curvature| <= tan(delta_max) / L``.
-        start: Full start state (x, y, theta, v, delta); NaN entries are taken as 0.
+        start: Full start state (x, y, theta, v, delta); NaN entries are taken as 0, and so is its speed: the
+            optimiser restores it.
         goal_steering: Steering angle at the end, rad; NaN: as it comes.
         vehicle: Wheelbase and limits.
 
@@ -53,6 +54,7 @@ def lift_arcs(arcs: Sequence[Arc], start: Array, goal_steering: float, vehicle: 
         Knots at every change of input. Without arcs or steering there is one short interval at rest.
     """
     initial = np.nan_to_num(np.asarray(start, float))
+    initial[3] = 0.0
     phases: list[tuple[float, float, float]] = []
     steering = float(initial[4])
     arcs = merge_arcs(arcs)

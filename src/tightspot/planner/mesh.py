@@ -10,9 +10,9 @@ from tightspot.formulations import Formulation
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles.base import VehicleModel
 
-METRES_PER_STEP = 0.45
-STEPS_PER_GEAR = 6
-FEWEST, MOST = 30, 90
+METRES_PER_STEP = 0.5
+STEPS_PER_GEAR = 4
+FEWEST, MOST = 30, 70
 COVER = 0.01
 
 

@@ -42,7 +42,7 @@ def interval_clearance(states: Array, per_interval: int, scenario: Scenario, veh
     """
     samples = sampled_clearance(states, scenario, vehicle)
     inner = samples[:-1].reshape(-1, per_interval, *samples.shape[1:]).min(axis=1)
-    return np.minimum(inner, samples[per_interval::per_interval])
+    return np.asarray(np.minimum(inner, samples[per_interval::per_interval]))
 
 
 def near_guess(guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel, reach: float) -> NDArray[np.bool_]:
@@ -55,6 +55,18 @@ def replay_clearance(replay: Replay, scenario: Scenario, vehicle: VehicleModel, 
     """Smallest clearance of the replayed motion on each interval, (N, parts, obstacle parts)."""
     times = _subdivided(replay.trajectory.t, per_interval)
     return interval_clearance(replay.at(times), per_interval, scenario, vehicle)
+
+
+def replay_outside(replay: Replay, scenario: Scenario, vehicle: VehicleModel, per_interval: int) -> NDArray[np.bool_]:
+    """Intervals on which the replayed body leaves W, (N,)."""
+    states = replay.at(_subdivided(replay.trajectory.t, per_interval))
+    frames = vehicle.frames(list(states.T), np)
+    outside = np.zeros(len(states), bool)
+    for part in vehicle.parts:
+        body = transform(part.polygon.vertices, np.column_stack(frames[part.frame]))
+        outside |= (body @ scenario.workspace.A.T > scenario.workspace.b).any(axis=(1, 2))
+    inner = outside[:-1].reshape(-1, per_interval).any(axis=1)
+    return np.asarray(inner | outside[per_interval::per_interval])
 
 
 def _subdivided(knots: Array, parts: int) -> Array:

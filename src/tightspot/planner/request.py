@@ -32,6 +32,7 @@ class Request:
     steps: int | None
     margin: float
     refinements: int
+    time_limit: float
 
 
 def resolve(
@@ -44,6 +45,7 @@ def resolve(
     steps: int | None,
     margin: float | None,
     refinements: int,
+    time_limit: float,
 ) -> Request:
     """Names become objects, ``None`` becomes the default; then the scene is checked for this vehicle and margin.
 
@@ -60,6 +62,8 @@ def resolve(
         problems.append(Problem("steps", f"{steps} must lie between 2 and {MOST_STEPS}"))
     if refinements < 0:
         problems.append(Problem("refinements", f"{refinements} must not be negative"))
+    if not time_limit > 0:
+        problems.append(Problem("time_limit", f"{time_limit} s must be positive"))
     if problems:
         raise InputError(problems)
     check(scene, car, margin)
@@ -73,6 +77,7 @@ def resolve(
         steps,
         margin,
         refinements,
+        time_limit,
     )
 
 
@@ -90,7 +95,7 @@ def resolve_solver(solver: Solver | str | None) -> Solver:
     if isinstance(solver, Solver):
         return solver
     if solver is None:
-        return Ipopt(time_limit=20.0)
+        return Ipopt(time_limit=25.0)
     if solver.lower() in SOLVERS:
         return SOLVERS[solver.lower()]()
     raise InputError(Problem("solver", f"{solver!r} is not known; choose one of {', '.join(SOLVERS)}"))

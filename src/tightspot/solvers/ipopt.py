@@ -103,6 +103,9 @@ class Ipopt(Solver):
             "mu_strategy": "adaptive",
             "adaptive_mu_globalization": "never-monotone-mode",
             "bound_relax_factor": 0.0,
+            # MUMPS' default scaling makes it run out of memory, again and again, where the steering has no effect
+            # (v = 0), as in a straight-line guess.
+            "mumps_scaling": 8,
         }
         if warm is not None and warm.lam_g is not None:
             options |= {

@@ -4,29 +4,26 @@ from __future__ import annotations
 
 import platform
 import time
-from dataclasses import replace
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import casadi
 import numpy as np
 
 from tightspot.errors import PlanningError
 from tightspot.formulations import Formulation
 from tightspot.guesses import Guess, GuessResult
-from tightspot.planner.mesh import gear_changes, path_length, poses_for, steps_for
-from tightspot.planner.pairs import near_guess
+from tightspot.planner.mesh import gear_changes, path_length
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request, resolve
-from tightspot.planner.rounds import REACH, Mesh, Round, refine, run_round
+from tightspot.planner.rounds import Round, run_round
+from tightspot.planner.strategy import Step, first_step, next_step
 from tightspot.scenarios import Scenario
 from tightspot.solvers import Solver
 from tightspot.trajectory import Trajectory
-from tightspot.transcription import Objective, TimeGrid
+from tightspot.transcription import Objective
 from tightspot.vehicles import VehicleModel
 from tightspot.verification import Plan
-
-EXTRA = 0.002
 
 
 def plan(
@@ -40,6 +37,7 @@ def plan(
     steps: int | None = None,
     margin: float | None = None,
     refinements: int = 8,
+    time_limit: float = 60.0,
     progress: ProgressCallback | None = None,
 ) -> Plan:
     """Plan a trajectory that provably keeps ``margin`` from every obstacle at all times.
@@ -57,6 +55,7 @@ def plan(
         steps: Number of intervals to begin with; default: from the guess's length and gear changes.
         margin: Demanded clearance, m; default: the scenario's.
         refinements: Largest number of re-solves.
+        time_limit: No new round begins after this many seconds, and the solver is given what is left of them.
         progress: Called with news while it works.
 
     Returns:
@@ -67,14 +66,16 @@ def plan(
         PlanningError: If no certified plan was found, with the reason, the last iterate and the witness.
     """
     started = time.perf_counter()
-    request = resolve(scenario, vehicle, objective, formulation, guess, solver, steps, margin, refinements)
+    request = resolve(
+        scenario, vehicle, objective, formulation, guess, solver, steps, margin, refinements, time_limit
+    )
     tell = progress or (lambda news: None)
     tell(Progress("guess", f"initial guess by {request.guess.name}"))
     found = request.guess.make(request.scenario, request.vehicle, margin=request.margin)
     guessed = time.perf_counter() - started
     if found.trajectory is None:
         raise PlanningError(found.reason, report={"guess": found.report, "rounds": []})
-    rounds = _rounds(request, found.trajectory, tell)
+    rounds = _rounds(request, found.trajectory, tell, started + time_limit)
     report = _report(request, found, rounds, guessed, time.perf_counter() - started)
     last = rounds[-1]
     if last.certificate is None or not last.certificate.certified:
@@ -82,43 +83,20 @@ def plan(
     return Plan(request.scenario, request.vehicle, last.trajectory, last.certificate, report)
 
 
-def _rounds(request: Request, guess: Trajectory, tell: ProgressCallback) -> list[Round]:
-    """Rounds until one is certified or their number is used up."""
-    mesh = _first_mesh(request, guess, request.steps or steps_for(guess))
-    rounds = [run_round(request, mesh, guess, 0, tell)]
-    for number in range(1, request.refinements + 1):
-        last = rounds[-1]
-        if last.certificate is not None and last.certificate.certified:
+def _rounds(request: Request, guess: Trajectory, tell: ProgressCallback, deadline: float) -> list[Round]:
+    """Rounds until one is certified or nothing is left to try, or until their number or time is used up."""
+    step: Step | None = first_step(request, guess)
+    rounds: list[Round] = []
+    while step is not None:
+        number = len(rounds)
+        rounds.append(run_round(request, step.mesh, step.start, number, tell, deadline - time.perf_counter()))
+        judged = rounds[-1].certificate
+        if (judged and judged.certified) or number == request.refinements or time.perf_counter() > deadline:
             break
-        if last.solved:
-            mesh, start = refine(request, last, number), last.trajectory
-        else:
-            if number > 3:
-                break
-            mesh, start = _after_failure(request, rounds, guess)
-        tell(Progress("refine", f"{mesh.grid.steps} intervals, {1000 * mesh.extra:.0f} mm beyond the margin", number))
-        rounds.append(run_round(request, mesh, start, number, tell))
+        step = next_step(request, rounds, guess)
+        if step is not None:
+            tell(Progress("refine", step.reason, number + 1))
     return rounds
-
-
-def _first_mesh(request: Request, guess: Trajectory, steps: int) -> Mesh:
-    grid = TimeGrid.uniform(steps)
-    active = near_guess(guess, grid, request.scenario, request.vehicle, REACH)
-    return Mesh(grid, poses_for(request.formulation, guess, request.vehicle, steps), EXTRA, active)
-
-
-def _after_failure(request: Request, rounds: list[Round], guess: Trajectory) -> tuple[Mesh, Trajectory]:
-    """After a failed solve: from the last solution if there is one, otherwise from the guess; a finer mesh."""
-    last = rounds[-1].mesh
-    solved = [outcome for outcome in rounds if outcome.solved]
-    if solved:
-        mesh = solved[-1].mesh
-        every = np.arange(mesh.grid.steps)
-        finer = replace(mesh, grid=mesh.grid.split(every), active=np.repeat(mesh.active, 2, axis=0), extra=EXTRA)
-        return finer, solved[-1].trajectory
-    steps = int(np.ceil(1.5 * last.grid.steps))
-    mesh = _first_mesh(request, guess, steps)
-    return replace(mesh, poses=last.poses + 1 if last.poses > 1 else 1, extra=EXTRA / 2), guess
 
 
 def _report(
@@ -144,7 +122,7 @@ def _report(
         "versions": {
             "python": platform.python_version(),
             "numpy": np.__version__,
-            "casadi": casadi.__version__,
+            "casadi": metadata.version("casadi"),
         },
     }
 
@@ -165,6 +143,6 @@ def _failure(request: Request, rounds: list[Round], report: dict[str, Any]) -> P
             "swept-line formulation."
         )
     else:
-        failed = "; ".join(check.sentence for check in last.certificate.failed)
-        reason = f"No certified plan after {len(rounds)} rounds: {failed}."
+        failed = " ".join(check.sentence for check in last.certificate.failed)
+        reason = f"No certified plan after {len(rounds)} rounds. {failed}"
     return PlanningError(reason, trajectory=last.trajectory, witness=witness, report=report)
