@@ -122,7 +122,9 @@ class Trajectory:
                 raise InputError(Problem(key, f"needs exactly {list(wanted)}; missing {missing}, unknown {unknown}"))
             columns[key] = [_numbers(data[key][name], f"{key}.{name}") for name in wanted]
             if len({column.size for column in columns[key]}) != 1:
-                raise InputError(Problem(key, "has lists of different lengths; each needs one number a knot or interval"))
+                raise InputError(
+                    Problem(key, "has lists of different lengths; each needs one number a knot or interval")
+                )
         return cls(
             _numbers(data["t"], "t"),
             np.column_stack(columns["states"]),

@@ -54,7 +54,7 @@ class Pair:
     V0: Array
     C0: Array
     d0: Array
-    O: Any  # noqa: E741
+    O: Any
     A: Any
     b: Any
     margins: tuple[Any, ...]
@@ -101,7 +101,7 @@ class Formulation(ABC):
         """The rows for one pair; ``auxiliary`` is a CasADi column of the declared length."""
 
     @abstractmethod
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:  # noqa: E741
+    def start(self, poses: Array, V0: Array, O: Array) -> Array:
         """Closed-form starting values from the best separating line of the guess.
 
         Args:

@@ -9,7 +9,7 @@ from tightspot.geometry.separation import best_line
 from tightspot.geometry.transforms import transform
 
 
-def line_of_guess(poses: Array, V0: Array, O: Array) -> tuple[Array, Array]:  # noqa: E741
+def line_of_guess(poses: Array, V0: Array, O: Array) -> tuple[Array, Array]:
     """Unit normal (M, 2) and offset (M,) of the line between body and obstacle.
 
     The normal is the best one at the middle pose, pointing from the obstacle to the body; the offset is midway

@@ -49,6 +49,6 @@ class SeparatingLine(Formulation):
             Rows(ca.sumsqr(lam), np.array([-np.inf]), np.array([1.0])),
         ]
 
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:  # noqa: E741
+    def start(self, poses: Array, V0: Array, O: Array) -> Array:
         normal, offset = line_of_guess(poses, V0, O)
         return np.column_stack([normal, offset])

@@ -47,6 +47,6 @@ class SweptLine(Formulation):
             rows.append(at_least(pair.body_vertices(index) @ normal - mu - (pair.margins[index] - base)))
         return rows
 
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:  # noqa: E741
+    def start(self, poses: Array, V0: Array, O: Array) -> Array:
         normal, offset = line_of_guess(poses, V0, O)
         return np.column_stack([np.arctan2(normal[:, 1], normal[:, 0]), offset])

@@ -47,7 +47,7 @@ class UnitNormalLine(Formulation):
         body = pair.V0[:, 0] * ca.cos(phi) + pair.V0[:, 1] * ca.sin(phi)
         return [at_least(body - offset - half), at_most(obstacle - offset + half)]
 
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:  # noqa: E741
+    def start(self, poses: Array, V0: Array, O: Array) -> Array:
         normal, offset = line_of_guess(poses, V0, O)
         pose = poses[:, 0]
         phi = np.arctan2(normal[:, 1], normal[:, 0]) - pose[:, 2]

@@ -101,7 +101,9 @@ class SimplifiedModel(Guess):
         )
         report = self.solver.solve(transcription.nlp)
         if not report.status.success:
-            return GuessResult(None, f"The simplified model has no solution: {report.status.sentence}", report.to_dict())
+            return GuessResult(
+                None, f"The simplified model has no solution: {report.status.sentence}", report.to_dict()
+            )
         return GuessResult(
             full_trajectory(transcription.trajectory(report.x), car, start, goal),
             "Solution of the simplified model without obstacles.",

@@ -45,7 +45,9 @@ def interval_clearance(states: Array, per_interval: int, scenario: Scenario, veh
     return np.asarray(np.minimum(inner, samples[per_interval::per_interval]))
 
 
-def near_guess(guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel, reach: float) -> NDArray[np.bool_]:
+def near_guess(
+    guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel, reach: float
+) -> NDArray[np.bool_]:
     """Pairs that the interpolated guess brings within ``reach`` m, (N, parts, obstacle parts)."""
     states = states_at(guess, guess.duration * _subdivided(grid.fractions, SAMPLES))
     return np.asarray(interval_clearance(states, SAMPLES, scenario, vehicle) < reach)

@@ -66,9 +66,7 @@ def plan(
         PlanningError: If no certified plan was found, with the reason, the last iterate and the witness.
     """
     started = time.perf_counter()
-    request = resolve(
-        scenario, vehicle, objective, formulation, guess, solver, steps, margin, refinements, time_limit
-    )
+    request = resolve(scenario, vehicle, objective, formulation, guess, solver, steps, margin, refinements, time_limit)
     tell = progress or (lambda news: None)
     tell(Progress("guess", f"initial guess by {request.guess.name}"))
     found = request.guess.make(request.scenario, request.vehicle, margin=request.margin)
@@ -99,9 +97,7 @@ def _rounds(request: Request, guess: Trajectory, tell: ProgressCallback, deadlin
     return rounds
 
 
-def _report(
-    request: Request, found: GuessResult, rounds: list[Round], guessed: float, total: float
-) -> dict[str, Any]:
+def _report(request: Request, found: GuessResult, rounds: list[Round], guessed: float, total: float) -> dict[str, Any]:
     last = rounds[-1]
     return {
         "objective": {

@@ -66,7 +66,11 @@ class Builder:
         self.obstacle_symbols = []
         for index, polygon in enumerate(self.obstacles):
             count = len(polygon.vertices)
-            symbols = (ca.SX.sym(f"O{index}", count, 2), ca.SX.sym(f"A{index}", count, 2), ca.SX.sym(f"b{index}", count))
+            symbols = (
+                ca.SX.sym(f"O{index}", count, 2),
+                ca.SX.sym(f"A{index}", count, 2),
+                ca.SX.sym(f"b{index}", count),
+            )
             self.obstacle_symbols.append(symbols)
             self.p += [ca.vec(symbol) for symbol in symbols]
             self.p0 += [polygon.vertices.ravel("F"), polygon.A.ravel("F"), polygon.b]
@@ -181,9 +185,7 @@ class Builder:
         bound = self.vehicle.acceleration_bound(part.frame, part.polygon.radius, middle, control, step / 2, ca)
         return bound * (step / self.intervals) ** 2 / 8
 
-    def _workspace_rows(
-        self, k: int, part: BodyPart, samples: list[Any], fixed: list[bool], cover: Any
-    ) -> None:
+    def _workspace_rows(self, k: int, part: BodyPart, samples: list[Any], fixed: list[bool], cover: Any) -> None:
         """Eq. (13): every vertex of the part satisfies E q <= f."""
         E, f = ca.DM(self.workspace.A), ca.DM(self.workspace.b)
         demanded = self.workspace_margin + cover

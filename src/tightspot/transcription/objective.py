@@ -48,9 +48,7 @@ class Objective:
         if not (np.isfinite(self.time_weight) and self.time_weight >= 0):
             problems.append(Problem("objective.time_weight", f"{self.time_weight} must be finite and not negative"))
         if not all(np.isfinite(weight) and weight >= 0 for weight in self.input_weights):
-            problems.append(
-                Problem("objective.input_weights", f"{self.input_weights} must be finite and not negative")
-            )
+            problems.append(Problem("objective.input_weights", f"{self.input_weights} must be finite and not negative"))
         if not problems and self.time_weight == 0 and not any(self.input_weights):
             problems.append(Problem("objective", "all weights are 0; there is nothing to minimise"))
         if problems:

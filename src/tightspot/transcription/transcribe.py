@@ -162,9 +162,7 @@ def transcribe(
     return Transcription(nlp, grid, settings, active, vehicle)
 
 
-def _misfits(
-    vehicle: VehicleModel, guess: Trajectory, settings: Settings, ends: dict[str, Array]
-) -> list[Problem]:
+def _misfits(vehicle: VehicleModel, guess: Trajectory, settings: Settings, ends: dict[str, Array]) -> list[Problem]:
     """What does not fit the vehicle's states and inputs."""
     problems = []
     if (guess.state_names, guess.input_names) != (vehicle.state_names, vehicle.input_names):
@@ -172,7 +170,9 @@ def _misfits(
         problems.append(Problem("guess", f"has other columns than the vehicle's {names}"))
     for name, state in ends.items():
         if state.shape != (vehicle.n_states,):
-            problems.append(Problem(name, f"has shape {state.shape}; needs one number for each of {vehicle.state_names}"))
+            problems.append(
+                Problem(name, f"has shape {state.shape}; needs one number for each of {vehicle.state_names}")
+            )
     weights = settings.objective.input_weights
     if len(weights) != vehicle.n_inputs:
         sentence = f"needs {vehicle.n_inputs} numbers, one for each of {vehicle.input_names}"

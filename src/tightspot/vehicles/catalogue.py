@@ -12,7 +12,10 @@ from tightspot.vehicles.base import BodyPart
 from tightspot.vehicles.single_track import Limits, SingleTrack
 
 _PAPER_LIMITS = Limits(
-    speed=(-5 / 3.6, 5 / 3.6), acceleration=(-1.0, 1.0), steering=float(np.radians(40)), steering_rate=float(np.radians(5))
+    speed=(-5 / 3.6, 5 / 3.6),
+    acceleration=(-1.0, 1.0),
+    steering=float(np.radians(40)),
+    steering_rate=float(np.radians(5)),
 )
 
 

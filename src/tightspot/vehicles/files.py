@@ -174,4 +174,3 @@ def _shown(value: Any) -> str:
     except ValueError:  # integers of thousands of digits have no decimal text
         text = f"a {type(value).__name__}"
     return text if len(text) <= 40 else f"{text[:37]}..."
-
