@@ -14,7 +14,7 @@ from tightspot.plotting.layout import HEIGHT, WIDTH, arrange, page
 from tightspot.plotting.profiles import CERTIFIED_GID, MARGIN_GID
 from tightspot.verification import Plan, Witness, verify
 
-from .conftest import RING, make_plan
+from .conftest import BOX, RING, make_plan
 
 
 def panel(figure: Figure, label: str):
@@ -55,14 +55,20 @@ def test_plan_figure_does_not_hide_a_failed_judgement(collision: Plan) -> None:
     assert CERTIFIED_GID not in {line.get_gid() for line in panel(figure, "clearance").lines}
 
 
-@pytest.mark.parametrize("car", ["forklift", "paper"])
 @pytest.mark.parametrize(
-    "workspace", [(-3, 17, -5, 8), (-10, 40, -3, 5), (-5, 12, -40, 30), (-4000, 4000, -4000, 4000)]
+    ("car", "workspace"),
+    [
+        ("tpcap", (-3, 17, -5, 8)),
+        ("tpcap", (-3, 17, -6, 9.2)),
+        ("tpcap", (-10, 50, -3, 5)),
+        ("forklift", (-5, 12, -40, 30)),
+        ("forklift", (-4000, 4000, -4000, 4000)),
+    ],
 )
 def test_nothing_stands_outside_the_picture(car: str, workspace: tuple[float, float, float, float]) -> None:
-    figure = figure_plan(
-        make_plan(car=car, workspace=workspace, inputs=np.tile([[0.3, 0.0], [-0.3, 0.0]], (4, 1)))
-    )
+    made = make_plan(car=car, workspace=workspace, obstacles=(BOX,))
+    assert made.certificate.certified
+    figure = figure_plan(made)
     figure.canvas.draw()
     renderer = figure.canvas.get_renderer()
     for axes in figure.axes:

@@ -97,7 +97,7 @@ def draw_clearance(
         cuts, bounds = proved
         bounds = np.clip(bounds, lowest, 2 * highest)
         axes.stairs(
-            bounds, cuts, fill=True, color=style.GOOD, alpha=0.15, linewidth=0, zorder=2, label="proved bound"
+            bounds, cuts, fill=True, color=style.GOOD, alpha=0.15, linewidth=0, zorder=2, label="proved"
         )
     axes.plot(times, clearance, color=style.INK, linewidth=1.6, zorder=4)
     if lowest < 0:
@@ -122,8 +122,8 @@ def draw_clearance(
             fontsize=8.5,
             borderpad=0,
             borderaxespad=0.3,
-            columnspacing=1.4,
-            handlelength=1.5,
+            columnspacing=1.1,
+            handlelength=1.2,
             handletextpad=0.5,
         )
     _time_axis(axes, times)
