@@ -110,9 +110,7 @@ def as_markdown(rows: list[dict[str, Any]], where: dict[str, Any]) -> str:
     ]
     lines.append("- " + ", ".join(f"{key} {value}" for key, value in where.items()))
     lines.append("- process s: the whole `tightspot plan`, files included; plan s: `tightspot.plan` alone")
-    lines.append(
-        "- replay m: smallest distance in an independent replay in 1 ms steps; certified m: its proved bound"
-    )
+    lines.append("- replay m: smallest distance in an independent replay in 1 ms steps; certified m: its proved bound")
     lines.append(f"- hybrid A* ms: median of {SEARCHES} searches, lifted to a trajectory")
     lines += [
         "",

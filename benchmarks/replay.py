@@ -53,9 +53,7 @@ class Replay:
         """One sentence for everything that a certified plan must not show."""
         found = []
         if self.overlaps:
-            found.append(
-                f"{len(self.overlaps)} frames overlap an obstacle, the first at {self.overlaps[0]:.3f} s"
-            )
+            found.append(f"{len(self.overlaps)} frames overlap an obstacle, the first at {self.overlaps[0]:.3f} s")
         if self.clearance < margin - 1e-6:
             found.append(f"the clearance is {self.clearance:.6f} m, the plan promises {margin:g} m")
         if self.outside > WORKSPACE:
@@ -83,9 +81,7 @@ def replay(plan: dict[str, Any]) -> Replay:
     motion, at_knots = integrate(plan, origin)
     frames = body_frames(plan["vehicle"], motion[:, 1:4])
     obstacles = [
-        shapely.Polygon(
-            np.array(o["vertices"]) - origin, [np.array(hole) - origin for hole in o.get("holes", [])]
-        )
+        shapely.Polygon(np.array(o["vertices"]) - origin, [np.array(hole) - origin for hole in o.get("holes", [])])
         for o in plan["scenario"]["obstacles"]
     ]
     clearance, hit = math.inf, np.zeros(len(motion), bool)
