@@ -47,9 +47,7 @@ def test_an_overlap_names_obstacle_depth_and_a_way_out(problems):
 
 
 @pytest.mark.parametrize("margin", [0.05, 0.3])
-@pytest.mark.parametrize(
-    "obstacles", [[box(3, 0.2)], [box(3, 0.2), box(-2, -3)], [box(-1.5, 0.9), box(1, -2.9)]]
-)
+@pytest.mark.parametrize("obstacles", [[box(3, 0.2)], [box(3, 0.2), box(-2, -3)], [box(-1.5, 0.9), box(1, -2.9)]])
 def test_the_remedy_cures_all_obstacles_at_once(obstacles, margin):
     bad = scene(obstacles)
     with pytest.raises(SceneError) as caught:

@@ -138,9 +138,7 @@ def test_files_that_cannot_be_read_are_explained(tmp_path, problems, scene):
     assert "at most 10 MB" in sentence(tmp_path / "huge.yaml")
 
 
-@pytest.mark.parametrize(
-    "argument", ["", None, 5, "nul\0l", "nul\0l.yaml", "no-such-scene", "\ud800", "\ud800.csv"]
-)
+@pytest.mark.parametrize("argument", ["", None, 5, "nul\0l", "nul\0l.yaml", "no-such-scene", "\ud800", "\ud800.csv"])
 def test_what_is_neither_name_nor_file_is_refused(argument):
     with pytest.raises(SceneError) as caught:
         load(argument)

@@ -76,6 +76,8 @@ def test_any_usual_layout_is_read_alike(read, text):
         (GOOD.replace(",0.1,", ",,"), "nothing between two separators"),
         (GOOD.replace("0.1", "1_0"), "is not a finite number"),
         (b"\xff\xfe0", "not UTF-8"),
+        (b"1," * 4_000_000, "holds more numbers than a scene of 50000 vertices"),
+        (b"a\n" * 4_000_000, "and more problems"),
     ],
 )
 def test_files_of_the_wrong_length_or_kind_are_refused(read, problems, text, words):

@@ -95,9 +95,7 @@ def _any_point(fields: dict[str, Any]) -> Array:
     return np.zeros(2)
 
 
-def _obstacles(
-    specs: Sequence[schema.ObstacleSpec | None], offset: Array
-) -> tuple[list[Obstacle], list[Problem]]:
+def _obstacles(specs: Sequence[schema.ObstacleSpec | None], offset: Array) -> tuple[list[Obstacle], list[Problem]]:
     names = unique_names([None if spec is None else spec.name for spec in specs])
     obstacles, problems = [], []
     for index, (name, spec) in enumerate(zip(names, specs, strict=True)):
@@ -105,9 +103,7 @@ def _obstacles(
             continue
         count = sum(map(len, (spec.vertices, *spec.holes)))
         if count > schema.MAX_CORNERS:
-            sentence = (
-                f"has {count} vertices; at most {schema.MAX_CORNERS} a polygon are read: simplify or split it"
-            )
+            sentence = f"has {count} vertices; at most {schema.MAX_CORNERS} a polygon are read: simplify or split it"
             problems.append(Problem(f"obstacles[{index}].vertices", sentence))
             continue
         rings = [np.array(ring, dtype=float).reshape(-1, 2) - offset for ring in (spec.vertices, *spec.holes)]
@@ -127,9 +123,7 @@ def _workspace(
         if isinstance(spec, schema.BoxSpec):
             (x_min, x_max), (y_min, y_max) = np.array([spec.x, spec.y]) - offset[:, None]
             return ConvexPolygon.rectangle(x_min, x_max, y_min, y_max), []
-        return ConvexPolygon.from_vertices(
-            np.array(spec, dtype=float).reshape(-1, 2) - offset, "workspace"
-        ), []
+        return ConvexPolygon.from_vertices(np.array(spec, dtype=float).reshape(-1, 2) - offset, "workspace"), []
     except GeometryError as error:
         return None, [Problem(p.path, _workspace_sentence(p.message)) for p in error.problems]
 
@@ -137,6 +131,4 @@ def _workspace(
 def _workspace_sentence(message: str) -> str:
     if "not convex" not in message:
         return message
-    return (
-        f"{message.split(';')[0]}; give its convex hull and make obstacles of what the vehicle must not use"
-    )
+    return f"{message.split(';')[0]}; give its convex hull and make obstacles of what the vehicle must not use"

@@ -62,9 +62,7 @@ def _limit_problems(key: str, state: Array, vehicle: VehicleModel) -> list[Probl
     for name, unit, low, high in bounds:
         value = state[STATE.index(name)] if name in STATE else 0.0
         if value < low - SLACK or value > high + SLACK:
-            sentence = (
-                f"{value:g} {unit} is outside the limits [{low:.4g}, {high:.4g}] of vehicle {vehicle.name!r}"
-            )
+            sentence = f"{value:g} {unit} is outside the limits [{low:.4g}, {high:.4g}] of vehicle {vehicle.name!r}"
             problems.append(Problem(f"{key}.{name}", sentence))
     return problems
 

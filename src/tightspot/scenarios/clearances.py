@@ -31,9 +31,7 @@ class Clearance(NamedTuple):
     normal: Array
 
 
-def clearances(
-    scenario: Scenario, vehicle: VehicleModel, state: Array, reach: float = np.inf
-) -> list[Clearance]:
+def clearances(scenario: Scenario, vehicle: VehicleModel, state: Array, reach: float = np.inf) -> list[Clearance]:
     """One :class:`Clearance` an obstacle, nearest first, of the vehicle in one state.
 
     Args:

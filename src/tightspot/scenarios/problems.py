@@ -89,22 +89,22 @@ def unknown_key(path: str, key: Any, known: Sequence[str]) -> Problem:
 
 
 def shortened(problems: Sequence[Problem]) -> list[Problem]:
-    """At most :data:`MOST_PROBLEMS`, the last of which says how many were left out."""
+    """At most :data:`MOST_PROBLEMS`, the last of which says that there are more."""
     if len(problems) <= MOST_PROBLEMS:
         return list(problems)
-    kept = list(problems[: MOST_PROBLEMS - 1])
-    return [*kept, Problem("", f"and {len(problems) - len(kept)} more problems")]
+    return [*problems[: MOST_PROBLEMS - 1], Problem("", "and more problems, which are not listed")]
 
 
 def from_pydantic(error: ValidationError, prefix: str, known: Sequence[str]) -> list[Problem]:
-    """Every error as a :class:`Problem`.
+    """The errors as problems, not more than one beyond :data:`MOST_PROBLEMS`.
 
     Args:
         error: What pydantic raised.
         prefix: Path of the validated object in the file.
         known: Keys of the model in which unknown keys may have been found.
     """
-    return [_problem(detail, prefix, known) for detail in error.errors(include_url=False)]
+    details = error.errors(include_url=False)[: MOST_PROBLEMS + 1]
+    return [_problem(detail, prefix, known) for detail in details]
 
 
 def _problem(detail: ErrorDetails, prefix: str, known: Sequence[str]) -> Problem:

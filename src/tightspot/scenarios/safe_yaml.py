@@ -105,9 +105,7 @@ def _check_key(collection: _Collection, key: str | None, event: Any) -> None:
     if not is_key or key is None or key == "<<":
         return
     if key in collection.keys:
-        raise UnreadableError(
-            f"has the key {shown(key)} twice in one object{_where(event)}; remove one of them"
-        )
+        raise UnreadableError(f"has the key {shown(key)} twice in one object{_where(event)}; remove one of them")
     collection.keys.add(key)
 
 

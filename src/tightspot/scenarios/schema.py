@@ -24,7 +24,7 @@ from pydantic import (
 
 from tightspot import vehicles
 from tightspot.errors import Problem, VehicleError
-from tightspot.scenarios.problems import from_pydantic, near, prefixed, refusal, shown, unknown_key
+from tightspot.scenarios.problems import MOST_PROBLEMS, from_pydantic, near, prefixed, refusal, shown, unknown_key
 
 FORMAT: Literal["tightspot-scene/1"] = "tightspot-scene/1"
 MAX_VERTICES = 50_000
@@ -60,9 +60,7 @@ def _number_or_free(value: Any) -> float | None:
 def _coordinate(value: Any) -> float:
     number = _number(value)
     if abs(number) > LARGEST_COORDINATE:
-        raise refusal(
-            f"{number:g} m is farther than {LARGEST_COORDINATE:g} m from the origin; are these metres?"
-        )
+        raise refusal(f"{number:g} m is farther than {LARGEST_COORDINATE:g} m from the origin; are these metres?")
     return number
 
 
@@ -80,9 +78,7 @@ def _point(value: Any) -> tuple[float, float]:
 def _interval(value: Any) -> tuple[float, float]:
     low, high = map(_coordinate, _pair(value, "[lowest, highest]"))
     if not low < high:
-        raise refusal(
-            f"the lower bound {low:g} is not below the upper bound {high:g}; write the smaller first"
-        )
+        raise refusal(f"the lower bound {low:g} is not below the upper bound {high:g}; write the smaller first")
     return low, high
 
 
@@ -187,12 +183,8 @@ class SceneSpec(Strict):
 
     model_config = ConfigDict(title="tightspot scene file")
 
-    format: Literal["tightspot-scene/1"] = Field(
-        default=FORMAT, description="format and version; may be left out"
-    )
-    name: Name | None = Field(
-        default=None, description="the file's name if not given", examples=["my-garage"]
-    )
+    format: Literal["tightspot-scene/1"] = Field(default=FORMAT, description="format and version; may be left out")
+    name: Name | None = Field(default=None, description="the file's name if not given", examples=["my-garage"])
     description: str = Field(default="", max_length=10_000, description="for people")
     source: str = Field(default="", max_length=10_000, description="where the geometry comes from")
     vehicle: Annotated[str | vehicles.VehicleSpec, WrapValidator(_vehicle)] = Field(
@@ -214,15 +206,11 @@ class SceneSpec(Strict):
         default=[],
         description="polygons the vehicle must not touch; they may overlap and reach outside the workspace",
     )
-    start: StateSpec = Field(
-        description="where the manoeuvre begins", examples=[{"x": 0.0, "y": 0.0, "theta": 0.0}]
-    )
+    start: StateSpec = Field(description="where the manoeuvre begins", examples=[{"x": 0.0, "y": 0.0, "theta": 0.0}])
     goal: StateSpec = Field(
         description="where it ends", examples=[{"x": 6.3, "y": -6.7, "theta": 1.5707963267948966, "v": 0.0}]
     )
-    tolerance: ToleranceSpec = Field(
-        default=ToleranceSpec(), description="how near the goal counts as reached"
-    )
+    tolerance: ToleranceSpec = Field(default=ToleranceSpec(), description="how near the goal counts as reached")
 
 
 KNOWN: dict[str, list[str]] = {
@@ -252,18 +240,15 @@ def read(data: Any) -> tuple[dict[str, Any], list[Problem]]:
         place of an unreadable one), and the problems. An unreadable or missing required field is absent.
     """
     if not isinstance(data, Mapping):
-        return {}, [
-            Problem("", f"a scene must be an object with keys such as start and goal, but is {shown(data)}")
-        ]
-    problems = [unknown_key("", key, KNOWN[""]) for key in data if key not in KNOWN[""]]
+        return {}, [Problem("", f"a scene must be an object with keys such as start and goal, but is {shown(data)}")]
+    unknown = [key for key in data if key not in KNOWN[""]][: MOST_PROBLEMS + 1]
+    problems = [unknown_key("", key, KNOWN[""]) for key in unknown]
     given = {key: value for key, value in data.items() if key in KNOWN[""] and value is not None}
     required = [key for key, field in SceneSpec.model_fields.items() if field.is_required()]
     problems += [Problem(key, "is missing; add it") for key in required if key not in given]
     count = _vertex_count(given.get("obstacles"))
     if count > MAX_VERTICES:
-        problems.append(
-            Problem("obstacles", f"have {count} vertices together; at most {MAX_VERTICES} are read")
-        )
+        problems.append(Problem("obstacles", f"have {count} vertices together; at most {MAX_VERTICES} are read"))
         del given["obstacles"]
     spec = SceneSpec.model_construct()
     for key, value in given.items():

@@ -22,9 +22,7 @@ def as_state(value: ArrayLike, path: str) -> Array:
     except (TypeError, ValueError):
         raise SceneError(Problem(path, f"must be five numbers {', '.join(STATE)}")) from None
     if state.shape != (5,):
-        raise SceneError(
-            Problem(path, f"has shape {state.shape}; it must be five numbers {', '.join(STATE)}")
-        )
+        raise SceneError(Problem(path, f"has shape {state.shape}; it must be five numbers {', '.join(STATE)}"))
     state.setflags(write=False)
     return state
 
@@ -38,9 +36,7 @@ def from_spec(spec: StateSpec) -> Array:
 def to_dict(state: Array, offset: Array) -> dict[str, float | None]:
     """The file's state, ``offset`` (m, m) added; NaN becomes ``None``."""
     values = state + np.array([*offset, 0.0, 0.0, 0.0])
-    return {
-        name: None if np.isnan(value) else float(value) for name, value in zip(STATE, values, strict=True)
-    }
+    return {name: None if np.isnan(value) else float(value) for name, value in zip(STATE, values, strict=True)}
 
 
 def state_problems(path: str, state: Array) -> list[Problem]:

@@ -43,9 +43,7 @@ def load(name_or_path: str | Path) -> Scenario:
     if suffix == ".xml":
         raise refuse(path, f"XML scenes are not read; convert it to one of {', '.join(READERS)}")
     if _exists(path):
-        kind = (
-            "is a directory; give the file in it" if path.is_dir() else f"has an unknown extension {suffix!r}"
-        )
+        kind = "is a directory; give the file in it" if path.is_dir() else f"has an unknown extension {suffix!r}"
         raise refuse(path, f"{kind}; scenes are read from {', '.join(READERS)}")
     raise SceneError(Problem(shown(text).strip("'"), _unknown(text)))
 

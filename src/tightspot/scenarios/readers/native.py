@@ -37,16 +37,12 @@ def _scenario(path: Path, data: Any) -> Scenario:
     if data is None:
         raise refuse(path, "is empty")
     if not isinstance(data, Mapping):
-        raise refuse(
-            path, f"holds {shown(data)}, not a scene; `tightspot schema` prints what a scene file holds"
-        )
+        raise refuse(path, f"holds {shown(data)}, not a scene; `tightspot schema` prints what a scene file holds")
     if not (isinstance(data.get("format"), str) and data["format"].startswith("tightspot-plan/")):
         return Scenario.from_dict(data, name=path.stem)
     if data["format"] != PLAN_FORMAT:
         raise SceneError(
-            Problem(
-                "format", f"{shown(data['format'])} is not known to this version; it must be {PLAN_FORMAT!r}"
-            )
+            Problem("format", f"{shown(data['format'])} is not known to this version; it must be {PLAN_FORMAT!r}")
         )
     if "scenario" not in data:
         raise SceneError(Problem("scenario", "is missing: this plan file has no scene in it"))

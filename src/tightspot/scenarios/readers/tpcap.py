@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,8 @@ from numpy.typing import NDArray
 
 from tightspot.errors import Problem, SceneError
 from tightspot.geometry import wrap_angle
-from tightspot.scenarios.problems import shortened, shown
-from tightspot.scenarios.readers.files import read_text
+from tightspot.scenarios.problems import MOST_PROBLEMS, shortened, shown
+from tightspot.scenarios.readers.files import read_text, refuse
 from tightspot.scenarios.scenario import Scenario
 from tightspot.scenarios.schema import MAX_VERTICES
 
@@ -34,6 +35,7 @@ MARGIN = 0.02
 THICKNESS = 1e-3
 """An obstacle without area (a point, a wall drawn as a line) becomes a rectangle this thick, m."""
 _THINNEST = 1e-5
+_MOST_VALUES = 7 + 3 * MAX_VERTICES
 
 _DELIMITER = re.compile(r"\s*[,;]\s*|\s+")
 
@@ -47,7 +49,7 @@ def read_tpcap(path: Path) -> Scenario:
     Raises:
         SceneError: Not numbers, fewer or more numbers than announced, or a scene that is none.
     """
-    values = _numbers(read_text(path))
+    values = _numbers(path, read_text(path))
     counts = _counts(path, values)
     ends = 7 + len(counts) + 2 * np.cumsum([0, *counts])
     rings = [values[a:b].reshape(-1, 2) for a, b in itertools.pairwise(ends)]
@@ -75,22 +77,36 @@ def _pose(values: Array) -> dict[str, float]:
     return {"x": x, "y": y, "theta": float(wrap_angle(theta))}
 
 
-def _numbers(text: str) -> Array:
+def _numbers(path: Path, text: str) -> Array:
     values: list[float] = []
     problems: list[Problem] = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        stripped = line.strip().rstrip(",; \t")
-        for token in _DELIMITER.split(stripped) if stripped else ():
-            try:
-                value = float(token) if "_" not in token else float("nan")
-            except ValueError:
-                value = float("nan")
-            if not np.isfinite(value):
-                problems.append(Problem(f"value {len(values) + 1}", _token_sentence(token, number)))
-            values.append(value)
+    for line, token in _tokens(text):
+        value = _number(token)
+        if not np.isfinite(value):
+            problems.append(Problem(f"value {len(values) + 1}", _token_sentence(token, line)))
+        values.append(value)
+        if len(values) > _MOST_VALUES or len(problems) > MOST_PROBLEMS:
+            break
     if problems:
         raise SceneError(shortened(problems))
+    if len(values) > _MOST_VALUES:
+        raise refuse(path, f"holds more numbers than a scene of {MAX_VERTICES} vertices")
     return np.array(values)
+
+
+def _tokens(text: str) -> Iterator[tuple[int, str]]:
+    """Line number and text of what stands between separators; empty if there is nothing between two."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        stripped = line.strip().rstrip(",; \t")
+        if stripped:
+            yield from ((number, token) for token in _DELIMITER.split(stripped, _MOST_VALUES))
+
+
+def _number(token: str) -> float:
+    try:
+        return float(token) if "_" not in token else np.nan
+    except ValueError:
+        return np.nan
 
 
 def _token_sentence(token: str, line: int) -> str:
@@ -129,9 +145,7 @@ def _counts(path: Path, values: Array) -> list[int]:
 
 
 def _wrong_length(path: Path, expected: str, found: int) -> SceneError:
-    return SceneError(
-        Problem(path.name, f"holds {found} numbers where {expected} were expected; is it cut off?")
-    )
+    return SceneError(Problem(path.name, f"holds {found} numbers where {expected} were expected; is it cut off?"))
 
 
 def _thickened(ring: Array) -> Array:
