@@ -99,7 +99,7 @@ def _tokens(text: str) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(text.splitlines(), start=1):
         stripped = line.strip().rstrip(",; \t")
         if stripped:
-            yield from ((number, token) for token in _DELIMITER.split(stripped, _MOST_VALUES))
+            yield from ((number, token) for token in _DELIMITER.split(stripped, _MOST_VALUES + 1))
 
 
 def _number(token: str) -> float:
