@@ -57,9 +57,7 @@ class Kit:
         fields = {
             "name": "test",
             "workspace": ConvexPolygon.rectangle(low[0], high[0], low[1], high[1]),
-            "obstacles": tuple(
-                Obstacle(f"o{i}", np.asarray(ring, float)) for i, ring in enumerate(obstacles)
-            ),
+            "obstacles": tuple(Obstacle(f"o{i}", np.asarray(ring, float)) for i, ring in enumerate(obstacles)),
             "start": start,
             "goal": goal,
             "tolerance": Tolerance(),
@@ -73,9 +71,7 @@ class Kit:
         rings = []
         for _ in range(count):
             w, h = rng.uniform(*size, 2)
-            box = ConvexPolygon.rectangle(-w, w, -h, h).transformed(
-                *rng.uniform(low, high), rng.uniform(0, 3)
-            )
+            box = ConvexPolygon.rectangle(-w, w, -h, h).transformed(*rng.uniform(low, high), rng.uniform(0, 3))
             rings.append(box.vertices)
         return rings
 
@@ -110,7 +106,5 @@ def plan():
         [[1, 0.4], [0, 0.1], [0, -0.9], [-1, 0.4]],
     )
     L = [(5.2, 2.1), (9, 2.1), (9, 3.1), (6.2, 3.1), (6.2, 6), (5.2, 6)]
-    scenario = Kit.scene(
-        trajectory, [L, [(3, -2), (9, -2), (9, -0.66), (3, -0.66)], [(-9, -9), (-8, -9), (-8, -8)]]
-    )
+    scenario = Kit.scene(trajectory, [L, [(3, -2), (9, -2), (9, -0.66), (3, -0.66)], [(-9, -9), (-8, -9), (-8, -8)]])
     return Plan(scenario, car, trajectory, verify(scenario, car, trajectory, margin=0.01), {"solver": "none"})

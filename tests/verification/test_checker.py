@@ -317,6 +317,14 @@ def no_intervals(data):
         pair(data)[key] = []
 
 
+def shrink_listed_obstacle(data):
+    data["certificate"]["obstacles"][2]["vertices"][0][1] -= 0.1
+
+
+def swap_listed_obstacles(data):
+    data["certificate"]["obstacles"].reverse()
+
+
 def claim_exact_integration(data):
     data["certificate"]["integration"]["position_error"] = -1.0
 
@@ -365,6 +373,8 @@ LIES = [
     uneven_columns,
     no_intervals,
     claim_exact_integration,
+    shrink_listed_obstacle,
+    swap_listed_obstacles,
 ]
 
 

@@ -51,9 +51,7 @@ class Trailer(VehicleModel):
         tan = np.tan(np.maximum(np.abs(before[:, 4]), np.abs(after[:, 4])))
         a, omega = np.abs(controls).T
         turn, turn1 = v * tan / self.wheelbase, v / self.length
-        car = MotionBounds(
-            v, turn, np.hypot(a, v * turn), (a * tan + v * omega * (1 + tan**2)) / self.wheelbase
-        )
+        car = MotionBounds(v, turn, np.hypot(a, v * turn), (a * tan + v * omega * (1 + tan**2)) / self.wheelbase)
         trailer = MotionBounds(
             v, turn1, np.hypot(a + v * (turn + turn1), v * turn1), (a + v * (turn + turn1)) / self.length
         )
@@ -68,9 +66,7 @@ def rk4_long_double(car, trajectory, at, steps):
     state, wide = trajectory.states[0].astype(np.longdouble), np.longdouble
 
     def slope(y, u):
-        return np.array(
-            [y[3] * np.cos(y[2]), y[3] * np.sin(y[2]), y[3] * np.tan(y[4]) / wide(car.wheelbase), *u]
-        )
+        return np.array([y[3] * np.cos(y[2]), y[3] * np.sin(y[2]), y[3] * np.tan(y[4]) / wide(car.wheelbase), *u])
 
     rows = [state]
     for start, end in itertools.pairwise(at):
@@ -153,9 +149,7 @@ def test_lemma_bounds_every_vertex_between_its_times(kit, count, slack):
 def test_a_trailer_is_judged_in_its_own_frame(kit):
     car = Trailer()
     start = np.array([0, 0, 0, 0, 0, 0.3])
-    trajectory = kit.drive(
-        car, np.arange(7.0), [[1, 0.3], [0, 0], [-1, -0.3], [-1, -0.3], [0, 0.3], [1, 0]], start
-    )
+    trajectory = kit.drive(car, np.arange(7.0), [[1, 0.3], [0, 0], [-1, -0.3], [-1, -0.3], [0, 0.3], [1, 0]], start)
     wall = [(-9, -4.5), (3, -4.5), (3, -3.4), (-9, -3.4)]
     scenario = kit.scene(trajectory, [wall, [(9, 9), (10, 9), (10, 10)]], start=start[:5])
     series = minimum_clearance(scenario, car, trajectory, dt=1e-3)

@@ -93,9 +93,7 @@ def brute_force_minimum(car, trajectory, polygon):
 
     def at(times):
         poses = played.at(times)[:, :3]
-        return np.min(
-            [clearance(transform(p.polygon.vertices, poses), polygon.vertices) for p in car.parts], axis=0
-        )
+        return np.min([clearance(transform(p.polygon.vertices, poses), polygon.vertices) for p in car.parts], axis=0)
 
     times = np.arange(0, trajectory.t[-1] + 5e-4, 1e-3)
     coarse = at(times)

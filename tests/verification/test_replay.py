@@ -21,9 +21,7 @@ def test_circle_at_constant_steering(kit):
     trajectory = kit.drive(car, [0, 5, 11], np.zeros((2, 2)), start=(0, 0, 0, 1.5, delta))
     times = np.linspace(0, 11, 301)
     rate, radius = 1.5 * np.tan(delta) / 2.0, 2.0 / np.tan(delta)
-    exact = np.stack(
-        [radius * np.sin(rate * times), radius * (1 - np.cos(rate * times)), rate * times], axis=1
-    )
+    exact = np.stack([radius * np.sin(rate * times), radius * (1 - np.cos(rate * times)), rate * times], axis=1)
     played = replay(car, trajectory)
     error = np.abs(played.at(times)[:, :3] - exact)
     assert np.hypot(error[:, 0], error[:, 1]).max() <= played.position_error <= 2e-7

@@ -1,6 +1,6 @@
 """The independent judge: replay, proof for all times, certificate, and the checker that trusts nobody."""
 
-from tightspot.verification.certificate import Certificate, Check, PairProof, Witness, WorkspaceProof
+from tightspot.verification.certificate import Certificate, Check, ObstaclePart, PairProof, Witness, WorkspaceProof
 from tightspot.verification.checker import CheckResult, check_certificate
 from tightspot.verification.checks import Limits
 from tightspot.verification.dense import ClearanceSeries, minimum_clearance
@@ -23,6 +23,7 @@ __all__ = [
     "ClearanceSeries",
     "JudgeSettings",
     "Limits",
+    "ObstaclePart",
     "PairProof",
     "Plan",
     "Replay",

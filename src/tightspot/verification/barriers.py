@@ -41,9 +41,7 @@ class ObstaclePairs:
 
     def __init__(self, parts: int, obstacles: Sequence[ConvexPolygon]) -> None:
         self.part, self.barrier = _product(parts, len(obstacles))
-        self._O = (
-            stack_padded([polygon.vertices for polygon in obstacles]) if obstacles else np.zeros((0, 3, 2))
-        )
+        self._O = stack_padded([polygon.vertices for polygon in obstacles]) if obstacles else np.zeros((0, 3, 2))
 
     def lines(self, pair: Index, vertices: Array) -> tuple[Array, Array, Array]:
         O = self._O[self.barrier[pair]]

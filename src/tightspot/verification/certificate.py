@@ -79,6 +79,19 @@ class Check:
 
 
 @dataclass(frozen=True, eq=False)
+class ObstaclePart:
+    """A convex part of an obstacle, as the proofs speak of it. The parts of an obstacle cover it.
+
+    Attributes:
+        name: The obstacle's name and the part's number, for example ``wall/0``.
+        vertices: Counter-clockwise, m, recentred coordinates, shape (n, 2).
+    """
+
+    name: str
+    vertices: Array
+
+
+@dataclass(frozen=True, eq=False)
 class PairProof:
     """Why one body part never comes near one obstacle part.
 
@@ -103,9 +116,6 @@ class PairProof:
     c: Array
     clearance: Array
 
-    def to_dict(self) -> dict[str, Any]:
-        return _plain(self)
-
 
 @dataclass(frozen=True, eq=False)
 class WorkspaceProof:
@@ -122,9 +132,6 @@ class WorkspaceProof:
     edge: int
     t: Array
     clearance: Array
-
-    def to_dict(self) -> dict[str, Any]:
-        return _plain(self)
 
 
 @dataclass(frozen=True)
@@ -155,6 +162,7 @@ class Certificate:
             obstacles.
         witnesses: Worst moment of every pair without proof, the worst first; empty if certified.
         checks: Everything that was checked, in a fixed order.
+        obstacles: The obstacles' convex parts, in order.
         pairs: The proof for obstacles, body parts in order, and for each the obstacle parts in order.
         workspace: The proof for W, body parts in order, and for each the edges in order.
         integration: How the motion was replayed.
@@ -168,6 +176,7 @@ class Certificate:
     clearance: float
     witnesses: tuple[Witness, ...]
     checks: tuple[Check, ...]
+    obstacles: tuple[ObstaclePart, ...]
     pairs: tuple[PairProof, ...]
     workspace: tuple[WorkspaceProof, ...]
     integration: Integration
@@ -188,9 +197,7 @@ class Certificate:
     @property
     def intervals(self) -> int:
         """Number of lines in the proof, those of the workspace included."""
-        return sum(proof.t.size - 1 for proof in self.pairs) + sum(
-            proof.t.size - 1 for proof in self.workspace
-        )
+        return sum(proof.t.size - 1 for proof in self.pairs) + sum(proof.t.size - 1 for proof in self.workspace)
 
     def check(self, name: str) -> Check:
         """The check of that name; raises ``KeyError`` if it was not made (a free goal speed, for example)."""
@@ -203,9 +210,7 @@ class Certificate:
         """Lines for people."""
         if self.certified:
             shown = (
-                "there is nothing to touch"
-                if math.isinf(self.clearance)
-                else f"clearance >= {self.clearance:.4f} m"
+                "there is nothing to touch" if math.isinf(self.clearance) else f"clearance >= {self.clearance:.4f} m"
             )
             head = f"certified for all times: {shown} (demanded {self.margin:.4f} m)"
         else:
@@ -218,9 +223,7 @@ class Certificate:
         if len(self.witnesses) > 5:
             lines.append(f"and {len(self.witnesses) - 5} more pairs")
         if self.certified:
-            lines.append(
-                f"proof: {self.intervals} lines for {len(self.pairs)} pairs, digest {self.digest[:16]}"
-            )
+            lines.append(f"proof: {self.intervals} lines for {len(self.pairs)} pairs, digest {self.digest[:16]}")
         return lines
 
     def to_dict(self) -> dict[str, Any]:
@@ -234,8 +237,9 @@ class Certificate:
             "offset": list(self.offset),
             "witnesses": [{**_plain(witness), "pose": list(witness.pose)} for witness in self.witnesses],
             "checks": [{**_plain(check), "value": _finite(check.value)} for check in self.checks],
-            "pairs": [proof.to_dict() for proof in self.pairs],
-            "workspace": [proof.to_dict() for proof in self.workspace],
+            "obstacles": [_plain(part) for part in self.obstacles],
+            "pairs": [_plain(proof) for proof in self.pairs],
+            "workspace": [_plain(proof) for proof in self.workspace],
             "integration": _plain(self.integration),
             "digest": self.digest,
         }
@@ -249,7 +253,7 @@ class Certificate:
         Raises:
             PlanFileError: With every problem and its path.
         """
-        from tightspot.verification.certificate_file import read_certificate
+        from tightspot.verification.certificate_file import read_certificate  # which imports this module
 
         return read_certificate(data)
 
@@ -301,6 +305,4 @@ def _finite(value: float) -> float | None:
 
 def _plain(record: Any) -> dict[str, Any]:
     values = {field.name: getattr(record, field.name) for field in fields(record)}
-    return {
-        name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()
-    }
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}

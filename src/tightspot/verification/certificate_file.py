@@ -15,6 +15,7 @@ from tightspot.verification.certificate import (
     Certificate,
     Check,
     Integration,
+    ObstaclePart,
     PairProof,
     Witness,
     WorkspaceProof,
@@ -42,6 +43,11 @@ class _CheckFile(_Strict):
     value: float | None
     limit: float
     sentence: str
+
+
+class _ObstacleFile(_Strict):
+    name: str
+    vertices: Annotated[list[Annotated[list[float], Field(min_length=2, max_length=2)]], Field(min_length=3)]
 
 
 class _PairFile(_Strict):
@@ -77,6 +83,7 @@ class _CertificateFile(_Strict):
     offset: Annotated[list[float], Field(min_length=2, max_length=2)]
     witnesses: list[_WitnessFile]
     checks: list[_CheckFile]
+    obstacles: list[_ObstacleFile]
     pairs: list[_PairFile]
     workspace: list[_WorkspaceFile]
     integration: _IntegrationFile
@@ -100,6 +107,7 @@ def read_certificate(data: Mapping[str, Any]) -> Certificate:
             Check(item.name, item.passed, _bound(item.value, item.passed), item.limit, item.sentence)
             for item in file.checks
         ),
+        obstacles=tuple(ObstaclePart(item.name, np.array(item.vertices)) for item in file.obstacles),
         pairs=tuple(PairProof(**_arrays(item)) for item in file.pairs),
         workspace=tuple(WorkspaceProof(**_arrays(item)) for item in file.workspace),
         integration=Integration(**dict(file.integration)),

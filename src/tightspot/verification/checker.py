@@ -66,9 +66,7 @@ def check_certificate(
     return CheckResult(not reasons, reasons)
 
 
-def prove(
-    scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory, certificate: Certificate
-) -> CheckResult:
+def prove(scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory, certificate: Certificate) -> CheckResult:
     """The same without the digest: whether what is written proves the claim, whoever wrote it."""
     reasons = _claim(*file_exact(scenario, trajectory), vehicle, certificate)
     return CheckResult(not reasons, reasons)
@@ -104,9 +102,7 @@ def _digest(
     scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory, certificate: Certificate
 ) -> Iterator[str]:
     written = trajectory.shifted(scenario.offset)
-    if certificate.digest != digest(
-        scenario.to_dict(), vehicle.to_dict(), written.to_dict(), certificate.to_dict()
-    ):
+    if certificate.digest != digest(scenario.to_dict(), vehicle.to_dict(), written.to_dict(), certificate.to_dict()):
         yield "the digest does not belong to this scenario, vehicle, trajectory and certificate"
 
 
@@ -123,6 +119,7 @@ def _mathematics(
     except IntegrationError as error:
         yield f"the motion cannot be checked: {error}"
         return
+    yield from _obstacles(scenario, certificate)
     yield from _pairs(scenario, vehicle, certificate, lemma)
     yield from _workspace(scenario, vehicle, certificate, lemma)
     yield from _claims(certificate)
@@ -138,9 +135,18 @@ def _cuts(t: Array, clearance: Array, trajectory: Trajectory, name: str) -> Iter
         yield f"a proof of {name} covers [{t[0]:g}, {t[-1]:g}] s, not the whole horizon"
 
 
-def _pairs(
-    scenario: Scenario, vehicle: VehicleModel, certificate: Certificate, lemma: Lemma
-) -> Iterator[str]:
+def _obstacles(scenario: Scenario, certificate: Certificate) -> Iterator[str]:
+    """The parts listed must be those that the scenario's obstacles decompose into: they cover the obstacles."""
+    parts = scenario.obstacle_parts
+    if [part.name for part in certificate.obstacles] != [name for name, _ in parts]:
+        yield "the obstacle parts are not the scenario's, in order"
+        return
+    for part, (_, polygon) in zip(certificate.obstacles, parts, strict=True):
+        if not np.array_equal(part.vertices, polygon.vertices):
+            yield f"{part.name} is not the scenario's"
+
+
+def _pairs(scenario: Scenario, vehicle: VehicleModel, certificate: Certificate, lemma: Lemma) -> Iterator[str]:
     obstacles = scenario.obstacle_parts
     expected = [(part.name, name) for part in vehicle.parts for name, _ in obstacles]
     if [(proof.part, proof.obstacle) for proof in certificate.pairs] != expected:
@@ -171,9 +177,7 @@ def _pairs(
             yield f"the clearance claimed for {name} is below the demanded one"
 
 
-def _workspace(
-    scenario: Scenario, vehicle: VehicleModel, certificate: Certificate, lemma: Lemma
-) -> Iterator[str]:
+def _workspace(scenario: Scenario, vehicle: VehicleModel, certificate: Certificate, lemma: Lemma) -> Iterator[str]:
     E, f = scenario.workspace.A, scenario.workspace.b
     expected = [(part.name, edge) for part in vehicle.parts for edge in range(f.size)]
     if [(proof.part, proof.edge) for proof in certificate.workspace] != expected:

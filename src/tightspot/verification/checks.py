@@ -76,9 +76,7 @@ def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
 
 def _start(scenario: Scenario, replay: Replay, limits: Limits) -> Iterator[Check]:
     for group, unit, distance in _distances(replay, replay.node_states[0], scenario.start):
-        yield upper(
-            f"start {group}", distance, limits.start, f"start {group} differs from the scenario's by", unit
-        )
+        yield upper(f"start {group}", distance, limits.start, f"start {group} differs from the scenario's by", unit)
 
 
 def _goal(scenario: Scenario, replay: Replay) -> Iterator[Check]:

@@ -152,9 +152,7 @@ class _Search:
             between = replay.at(middle)
             normal, support, clearance = self.lines(pair, between)
             self.look(pair, middle, clearance)
-            low = np.minimum(
-                self.motion.lowest(part, before, normal), self.motion.lowest(part, after, normal)
-            )
+            low = np.minimum(self.motion.lowest(part, before, normal), self.motion.lowest(part, after, normal))
             loss = self.motion.loss(part, before, after, replay.trajectory.inputs[k], end - start)
             bound = low - loss - support - self.pad[pair]
             done = (bound >= self.target()[pair]) | self._hopeless(pair, clearance, loss, end - start)
@@ -199,9 +197,7 @@ class _Search:
         N, n_B, knots = replay.trajectory.steps, len(self.motion.names), replay.knots
         part, k = np.divmod(np.arange(n_B * N), N)
         durations = np.diff(replay.trajectory.t)
-        return self.motion.loss(
-            part, knots[k], knots[k + 1], replay.trajectory.inputs[k], durations[k]
-        ).reshape(n_B, N)
+        return self.motion.loss(part, knots[k], knots[k + 1], replay.trajectory.inputs[k], durations[k]).reshape(n_B, N)
 
     def _chain(self, pair: Index, a: Index, b: Index, normal: Array, loss: Array) -> Array:
         """The lemma's lower bound of n.p over [t_a, t_b], one normal for all its intervals, m, shape (B,)."""

@@ -71,9 +71,7 @@ def minimum_clearance(
             pair = np.where(gap < best, i * len(obstacles) + j, pair)
             best = np.minimum(best, gap)
     named = [names[index] for index in pair]
-    return ClearanceSeries(
-        t, best, tuple(name for name, _ in named), tuple(name for _, name in named), inside
-    )
+    return ClearanceSeries(t, best, tuple(name for name, _ in named), tuple(name for _, name in named), inside)
 
 
 def _clearance_where_near(V: Array, O: Array, best: Array) -> Array:

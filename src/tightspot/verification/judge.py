@@ -17,6 +17,7 @@ from tightspot.verification.certificate import (
     Certificate,
     Check,
     Integration,
+    ObstaclePart,
     PairProof,
     WorkspaceProof,
     digest,
@@ -108,6 +109,7 @@ def verify(
         clearance=clear.clearance,
         witnesses=tuple(sorted(witnesses, key=lambda witness: witness.clearance)),
         checks=tuple(checks),
+        obstacles=tuple(ObstaclePart(name, polygon.vertices) for name, polygon in scenario.obstacle_parts),
         pairs=tuple(_pair_proofs(motion, pairs, clear, names)),
         workspace=tuple(_workspace_proofs(motion, walls, inside)),
         integration=Integration(METHOD, played.nodes.size - 1, played.position_error, played.heading_error),
@@ -117,9 +119,7 @@ def verify(
     return sealed(certificate, scenario, vehicle, trajectory)
 
 
-def sealed(
-    certificate: Certificate, scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory
-) -> Certificate:
+def sealed(certificate: Certificate, scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory) -> Certificate:
     """The certificate with its digest."""
     parts = (scenario.to_dict(), vehicle.to_dict(), trajectory.shifted(certificate.offset).to_dict())
     return replace(certificate, digest=digest(*parts, certificate.to_dict()))
@@ -169,6 +169,4 @@ def _workspace_proofs(motion: Motion, walls: Pairs, inside: Cover) -> list[Works
 def _rows(found: Cover) -> list[tuple[int, slice]]:
     """(pair, its rows) of every pair that holds."""
     bounds = np.searchsorted(found.pair, np.arange(found.holds.size + 1))
-    return [
-        (pair, slice(bounds[pair], bounds[pair + 1])) for pair in range(found.holds.size) if found.holds[pair]
-    ]
+    return [(pair, slice(bounds[pair], bounds[pair + 1])) for pair in range(found.holds.size) if found.holds[pair]]

@@ -86,8 +86,10 @@ def _moved(corners: Array, pose: Array) -> Array:
 
 
 def _loss(bounds: tuple[Array, Array, Array], radius: float, h: Array) -> Array:
-    """``P h^2 / 8`` from (|T''|, |theta'|, |theta''|): turning and centripetal acceleration are
-    perpendicular."""
+    """``P h^2 / 8`` from (|T''|, |theta'|, |theta''|).
+
+    The turning and the centripetal acceleration of a body point are perpendicular.
+    """
     acceleration, yaw_rate, yaw_acceleration = bounds
     P = acceleration + radius * np.sqrt(yaw_acceleration**2 + yaw_rate**4)
     return np.asarray(P * h * h / 8 * (1 + 1e-12))
@@ -105,9 +107,7 @@ def _single_track_bounds(
     k = np.searchsorted(trajectory.t, motion.times[:-1], side="right") - 1
     a, omega = np.abs(trajectory.inputs[k]).T
     grow = 1 + 64 * _EPS * (1 + trajectory.steps)
-    v, delta = (
-        grow * np.maximum(np.abs(column[:-1]), np.abs(column[1:])) for column in motion.states[:, 3:].T
-    )
+    v, delta = (grow * np.maximum(np.abs(column[:-1]), np.abs(column[1:])) for column in motion.states[:, 3:].T)
     tangent = np.tan(delta)
     yaw_rate = v * tangent / vehicle.wheelbase
     yaw_acceleration = (a * tangent + v * omega * (1 + tangent * tangent)) / vehicle.wheelbase
@@ -124,6 +124,5 @@ def _stated_bounds(
         if not all(np.isfinite(bound).all() for bound in bounds):
             raise IntegrationError("the model bounds nothing on some interval")
     return [
-        (bounds.acceleration * (1 + 1e-9), bounds.yaw_rate, bounds.yaw_acceleration * (1 + 1e-9))
-        for bounds in stated
+        (bounds.acceleration * (1 + 1e-9), bounds.yaw_rate, bounds.yaw_acceleration * (1 + 1e-9)) for bounds in stated
     ]

@@ -81,9 +81,7 @@ class Motion:
         x, y, theta = (column[:, None] for column in self.poses(part, states).T)
         cos, sin = np.cos(theta), np.sin(theta)
         V0 = self.V0[part]
-        return np.stack(
-            [x + cos * V0[..., 0] - sin * V0[..., 1], y + sin * V0[..., 0] + cos * V0[..., 1]], axis=-1
-        )
+        return np.stack([x + cos * V0[..., 0] - sin * V0[..., 1], y + sin * V0[..., 0] + cos * V0[..., 1]], axis=-1)
 
     def lowest(self, part: Index, states: Array, normal: Array) -> Array:
         """``min(n.V)`` of each part at its state in its direction ``normal`` (B, 2), m, shape (B,)."""

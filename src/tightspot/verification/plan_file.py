@@ -92,9 +92,7 @@ class Plan:
         for key in ("state_names", "input_names"):
             have, need = getattr(trajectory, key), getattr(vehicle, key)
             if set(have) != set(need):
-                raise PlanFileError(
-                    Problem(f"trajectory.{key.split('_')[0]}s", f"are {have}; the vehicle has {need}")
-                )
+                raise PlanFileError(Problem(f"trajectory.{key.split('_')[0]}s", f"are {have}; the vehicle has {need}"))
         ordered = Trajectory.from_dict(trajectory.to_dict(), vehicle.state_names, vehicle.input_names)
         recentred = ordered.shifted(-np.asarray(scenario.offset))
         return cls(scenario, vehicle, recentred, certificate, data["report"])
@@ -117,11 +115,7 @@ class Verdict:
     def summary(self) -> list[str]:
         """Lines for people."""
         head = "the plan is upheld" if self.upheld else "the plan is NOT upheld"
-        stored = (
-            "the stored certificate proves its claim"
-            if self.stored.ok
-            else "the stored certificate is rejected"
-        )
+        stored = "the stored certificate proves its claim" if self.stored.ok else "the stored certificate is rejected"
         reasons = [f"  because {reason}" for reason in self.stored.reasons]
         return [head, *self.certificate.summary(), stored, *reasons]
 
@@ -134,10 +128,7 @@ def save_plan(plan: Plan, path: str | Path) -> None:
         OSError: The file cannot be written.
     """
     try:
-        lines = [
-            f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}"
-            for key, value in plan.to_dict().items()
-        ]
+        lines = [f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}" for key, value in plan.to_dict().items()]
     except (TypeError, ValueError, RecursionError) as error:
         raise PlanFileError(Problem("report", f"cannot be written as JSON: {error}")) from None
     atomic_write(path, "{\n" + ",\n".join(lines) + "\n}\n")
@@ -157,9 +148,7 @@ def load_plan(path: str | Path) -> Plan:
         reason = getattr(error, "strerror", None) or error
         raise PlanFileError(Problem(str(path), f"cannot be read: {reason}")) from None
     if len(content) > MAX_BYTES:
-        raise PlanFileError(
-            Problem(str(path), f"is larger than {MAX_BYTES // 1_000_000} MB, too large for a plan")
-        )
+        raise PlanFileError(Problem(str(path), f"is larger than {MAX_BYTES // 1_000_000} MB, too large for a plan"))
     try:
         data = json.loads(content.decode(), parse_constant=_no_constant, object_pairs_hook=_without_repeats)
     except (ValueError, RecursionError) as error:

@@ -170,14 +170,10 @@ def _errors(panels: _Panels, steps: int, largest: Array) -> tuple[Array, Array]:
     tangent = np.tan(np.abs(panels.delta + panels.omega * w) + np.abs(panels.omega) * major)
     yaw_rate = speed * tangent / panels.L
     rounding = (100 + 8 * steps) * _EPS * 2 * w
-    turn = (
-        _REMAINDER * 2 * w * yaw_rate + rounding * speed * (1 + tangent**2) / panels.L + 2 * _EPS * largest[0]
-    )
+    turn = _REMAINDER * 2 * w * yaw_rate + rounding * speed * (1 + tangent**2) / panels.L + 2 * _EPS * largest[0]
     heading = _running_sum(0.0, turn)
     shift = (
-        _REMAINDER * 2 * w * speed * np.cosh(_MINOR * w * yaw_rate)
-        + rounding * speed
-        + 2 * _EPS * largest[1:].max()
+        _REMAINDER * 2 * w * speed * np.cosh(_MINOR * w * yaw_rate) + rounding * speed + 2 * _EPS * largest[1:].max()
     )
     # The factor 2 > sqrt(2) is for x and y together; the heading's error moves the point across only.
     return _running_sum(0.0, 2 * shift + 2 * w * speed * heading[1:]), heading

@@ -45,9 +45,7 @@ def workspace_witnesses(motion: Motion, walls: Pairs, inside: Cover) -> list[Wit
         i = of_part[clearances[of_part].argmin()]
         kind = "collision" if clearances[i] < -motion.pad[part] - WORKSPACE_SLACK else "undecided"
         name = motion.names[part]
-        witnesses.append(
-            Witness(float(times[i]), name, WORKSPACE, float(clearances[i]), _pose(poses[i]), kind)
-        )
+        witnesses.append(Witness(float(times[i]), name, WORKSPACE, float(clearances[i]), _pose(poses[i]), kind))
     return witnesses
 
 
