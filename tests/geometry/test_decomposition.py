@@ -112,9 +112,7 @@ def test_a_plate_with_many_holes_is_far_from_a_triangulation():
     exterior = [(0, 0), (4, 0), (4, 4), (0, 4)]
     parts = decompose(exterior, holes)
     check_cover(parts, exterior, holes)
-    triangles = shapely.get_num_geometries(
-        shapely.constrained_delaunay_triangles(shapely.Polygon(exterior, holes))
-    )
+    triangles = shapely.get_num_geometries(shapely.constrained_delaunay_triangles(shapely.Polygon(exterior, holes)))
     assert len(parts) <= 0.55 * triangles
 
 

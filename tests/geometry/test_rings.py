@@ -33,9 +33,7 @@ def test_indices_say_where_the_vertices_stood():
 
 
 def test_a_collinear_first_vertex_is_dropped():
-    np.testing.assert_array_equal(
-        clean_ring([(0.5, 0), *SQUARE[1:], SQUARE[0]]).vertices, np.roll(SQUARE, -1, axis=0)
-    )
+    np.testing.assert_array_equal(clean_ring([(0.5, 0), *SQUARE[1:], SQUARE[0]]).vertices, np.roll(SQUARE, -1, axis=0))
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e5])

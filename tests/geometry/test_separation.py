@@ -83,9 +83,7 @@ def test_far_from_the_origin_only_the_coordinates_rounding_is_lost(shift):
 
 
 def test_repeated_vertices_are_padding():
-    O = np.array(
-        [DIAMOND, ConvexPolygon.from_vertices([(0, 0), (3, 0), (0, 2), (0, 2)]).vertices[[0, 1, 2, 2]]]
-    )
+    O = np.array([DIAMOND, ConvexPolygon.from_vertices([(0, 0), (3, 0), (0, 2), (0, 2)]).vertices[[0, 1, 2, 2]]])
     V = at(UNIT, 2.5, 1.5)
     plain = [best_line(V, DIAMOND), best_line(V, O[1, :3])]
     padded = best_line(V, O)

@@ -17,9 +17,7 @@ from tightspot.geometry.rings import Ring, clean_ring, tolerance
 Array = NDArray[np.float64]
 
 
-def decompose(
-    exterior: ArrayLike, holes: Sequence[ArrayLike] = (), name: str = ""
-) -> tuple[ConvexPolygon, ...]:
+def decompose(exterior: ArrayLike, holes: Sequence[ArrayLike] = (), name: str = "") -> tuple[ConvexPolygon, ...]:
     """Convex parts whose union is the polygon and whose interiors are disjoint.
 
     No vertex is invented: the parts' corners are the polygon's, so the cover is exact. A convex polygon comes
@@ -88,9 +86,7 @@ def _check(shell: Ring, holes: list[Ring], name: str, hole_names: list[str]) -> 
             problems.append(Problem(hole_names[j], "the hole reaches outside the exterior; move it inside"))
         for k in range(j):
             if hole.intersection(filled[k]).area > 0:
-                problems.append(
-                    Problem(hole_names[j], f"the hole overlaps {hole_names[k]}; make one hole of the two")
-                )
+                problems.append(Problem(hole_names[j], f"the hole overlaps {hole_names[k]}; make one hole of the two"))
     if problems:
         raise GeometryError(problems)
     polygon = shapely.Polygon(shell.vertices, [ring.vertices for ring in holes])

@@ -80,9 +80,7 @@ class ConvexPolygon:
         kept = high > low
         foot, along, low, high = foot[kept], along[kept], low[kept], high[kept]
         if not np.isfinite([low, high]).all():
-            raise GeometryError(
-                Problem("A", "A q <= b is unbounded; add half-planes until all sides are closed")
-            )
+            raise GeometryError(Problem("A", "A q <= b is unbounded; add half-planes until all sides are closed"))
         ends = foot[:, None, :] + np.stack([low, high], axis=1)[:, :, None] * along[:, None, :]
         hull = shapely.MultiPoint(ends.reshape(-1, 2)).convex_hull
         if hull.geom_type != "Polygon":
@@ -201,9 +199,7 @@ def _normalised_rows(A: ArrayLike, b: ArrayLike) -> tuple[Array, Array]:
     except (TypeError, ValueError):
         raise GeometryError(Problem("A", "A and b must be numbers, A a list of rows with two each")) from None
     if A.ndim != 2 or A.shape[1] != 2 or b.shape != A.shape[:1]:
-        raise GeometryError(
-            Problem("A", f"A q <= b needs shapes (m, 2) and (m,), given {A.shape} and {b.shape}")
-        )
+        raise GeometryError(Problem("A", f"A q <= b needs shapes (m, 2) and (m,), given {A.shape} and {b.shape}"))
     problems = [
         Problem(f"A[{i}]", f"{A[i].tolist()} q <= {b[i]:g} must be finite numbers with a nonzero normal")
         for i in range(len(b))

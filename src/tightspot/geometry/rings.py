@@ -64,9 +64,7 @@ def as_points(points: ArrayLike, path: str) -> Array:
         )
     odd = ~(np.abs(array) <= LARGEST_COORDINATE).all(axis=1)
     problems = [
-        Problem(
-            f"{path}[{i}]", f"{_point(array[i])} must be two finite numbers, at most {LARGEST_COORDINATE:g} m"
-        )
+        Problem(f"{path}[{i}]", f"{_point(array[i])} must be two finite numbers, at most {LARGEST_COORDINATE:g} m")
         for i in np.flatnonzero(odd)
     ]
     if problems:

@@ -63,9 +63,7 @@ def best_line(V: ArrayLike, O: ArrayLike) -> Separation:
         batch = np.broadcast_shapes(V.shape[:-2], O.shape[:-2])
     except ValueError:
         raise GeometryError(
-            Problem(
-                "O", f"leading dimensions {O.shape[:-2]} do not broadcast against those of V, {V.shape[:-2]}"
-            )
+            Problem("O", f"leading dimensions {O.shape[:-2]} do not broadcast against those of V, {V.shape[:-2]}")
         ) from None
     size = int(np.prod(batch, dtype=int))
     normal, offset, gap = np.empty((size, 2)), np.empty(size), np.empty(size)
