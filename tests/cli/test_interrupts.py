@@ -18,13 +18,19 @@ def press_ctrl_c():
     os.kill(os.getpid(), signal.SIGINT)
 
 
-def test_an_interrupt_that_was_swallowed_is_raised_again():
-    with pytest.raises(KeyboardInterrupt), InterruptWatch() as watch:
-        with contextlib.suppress(KeyboardInterrupt):  # as a compiled library does
+def swallow_an_interrupt(watch: InterruptWatch) -> None:
+    """As a compiled library does in a call-back."""
+    with watch:
+        with contextlib.suppress(KeyboardInterrupt):
             press_ctrl_c()
         assert watch.seen
         with pytest.raises(KeyboardInterrupt):
             watch.check()
+
+
+def test_an_interrupt_that_was_swallowed_is_raised_again():
+    with pytest.raises(KeyboardInterrupt):
+        swallow_an_interrupt(InterruptWatch())
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
