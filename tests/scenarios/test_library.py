@@ -11,6 +11,7 @@ from tightspot.errors import SceneError
 from tightspot.geometry import ConvexPolygon, clearance
 from tightspot.scenarios import Scenario, builtin, check, load, names, summaries, workspace_excess
 from tightspot.scenarios import clearance as standing_clearance
+from tightspot.search import HybridAStarOptions, SearchStatus, search
 
 
 @pytest.mark.parametrize("name", names())
@@ -90,3 +91,31 @@ def test_unknown_names_get_the_nearest_and_how_to_list_them():
         builtin("vertcal")
     with pytest.raises(SceneError, match=r"did you mean parallel\? `tightspot scenes`"):
         load("paralel")
+
+
+@pytest.mark.parametrize("name", names())
+def test_there_is_a_way_to_every_goal_with_a_reserve(name):
+    scenario = builtin(name)
+    result = search(
+        scenario.workspace,
+        [part for _, part in scenario.obstacle_parts],
+        scenario.vehicle_model(),
+        scenario.start[:3],
+        scenario.goal[:3],
+        HybridAStarOptions(margins=(0.06,), time_limit=60),
+    )
+    assert result.status is SearchStatus.FOUND
+    assert result.path is not None
+    for pose in result.path.poses:
+        body = [part.polygon.transformed(*pose).vertices for part in scenario.vehicle_model().parts]
+        gaps = [clearance(vertices, part.vertices) for vertices in body for _, part in scenario.obstacle_parts]
+        assert min(gaps) > 0.06 - 0.002
+
+
+def test_the_dead_end_needs_several_gear_changes():
+    scenario = builtin("dead-end")
+    parts = [part for _, part in scenario.obstacle_parts]
+    options = HybridAStarOptions(margins=(0.05,), time_limit=60)
+    result = search(scenario.workspace, parts, scenario.vehicle_model(), scenario.start[:3], scenario.goal[:3], options)
+    assert result.path is not None
+    assert result.path.gear_changes >= 3
