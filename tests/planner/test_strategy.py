@@ -1,0 +1,102 @@
+"""What the planner does next: split where it is too near, then ask for more, and know when to stop."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tightspot.formulations import SeparatingLine, SweptLine, UnitNormalLine
+from tightspot.guesses import GivenPath, LinearInterpolation
+from tightspot.planner.request import Request, resolve
+from tightspot.planner.rounds import Mesh, Round, run_round
+from tightspot.planner.strategy import EXTRA, FAILED_SOLVES, at_knots, first_step, next_step, refine
+from tightspot.scenarios import builtin
+from tightspot.solvers import Ipopt
+from tightspot.trajectory import Trajectory
+from tightspot.transcription import TimeGrid
+from tightspot.verification import replay, verify
+
+
+def request(formulation: object = None, **changes: object) -> Request:
+    base = resolve(builtin("vertical"), None, None, None, LinearInterpolation(), None, 10, None, 4, 60.0)
+    return replace(base, formulation=formulation or SweptLine(), **changes)  # type: ignore[arg-type]
+
+
+def straight(asked: Request) -> Trajectory:
+    """Drives ahead from the start, touches nothing at first, then leaves W."""
+    inputs = np.array([[1.0, 0.0], *[[0.0, 0.0]] * 11, [-1.0, 0.0]])
+    t = np.arange(len(inputs) + 1.0)
+    rough = Trajectory(t, np.zeros((len(t), 5)), inputs)
+    return Trajectory(t, replay(asked.vehicle, rough).knots, inputs)
+
+
+def mesh(steps: int, formulation: object = None) -> Mesh:
+    return Mesh(formulation or SweptLine(), TimeGrid.uniform(steps), 2, EXTRA, np.zeros((steps, 1, 2), bool))  # type: ignore[arg-type]
+
+
+def test_a_rough_guess_is_first_made_free_at_the_knots() -> None:
+    guess = LinearInterpolation().make(builtin("vertical"), request().vehicle, margin=0.05).trajectory
+    assert guess is not None
+    assert first_step(request(), guess).mesh.formulation.holds == "knots"
+    asked = request(UnitNormalLine())
+    assert first_step(asked, guess).mesh.formulation is asked.formulation
+    assert at_knots(SweptLine()) == SeparatingLine()
+
+
+def test_refine_splits_exactly_the_intervals_that_are_too_near() -> None:
+    asked = request()
+    trajectory = straight(asked)
+    judged = verify(asked.scenario, asked.vehicle, trajectory, margin=asked.margin)
+    only_space = tuple(check for check in judged.checks if check.name in ("obstacles", "workspace"))
+    judged = replace(judged, checks=only_space)
+    old = replace(mesh(13), grid=TimeGrid(trajectory.t / trajectory.t[-1]))
+    new = refine(asked, old, replay(asked.vehicle, trajectory), judged, 1)
+    nose = trajectory.column("x") + 3.699
+    outside = nose[1:] > 15.0
+    assert new.grid.steps == 13 + outside.sum()
+    kept = np.isin(np.round(old.grid.fractions, 12), np.round(new.grid.fractions, 12))
+    assert kept.all(), "old knots stay knots"
+    assert new.extra == old.extra, "the margin grows later only"
+    assert refine(asked, old, replay(asked.vehicle, trajectory), judged, 3).extra > old.extra
+    assert new.active.shape == (new.grid.steps, 1, 2)
+
+
+def test_an_objection_other_than_clearance_splits_everything() -> None:
+    asked = request()
+    trajectory = straight(asked)
+    judged = verify(asked.scenario, asked.vehicle, trajectory, margin=asked.margin)
+    assert any(check.name.startswith("goal") for check in judged.failed)
+    old = replace(mesh(13), grid=TimeGrid(trajectory.t / trajectory.t[-1]))
+    assert refine(asked, old, replay(asked.vehicle, trajectory), judged, 1).grid.steps == 26
+
+
+def failed(asked: Request, tried: Mesh, guess: Trajectory) -> Round:
+    hopeless = replace(asked, solver=Ipopt(max_iterations=1))
+    outcome = run_round(hopeless, tried, guess, 0, lambda news: None, 10.0)
+    assert not outcome.solved
+    return outcome
+
+
+def test_after_failed_solves_it_tries_knots_then_more_intervals_then_stops() -> None:
+    asked = request()
+    guess = LinearInterpolation().make(asked.scenario, asked.vehicle, margin=0.05).trajectory
+    assert guess is not None
+    rounds = [failed(asked, mesh(10), guess)]
+    second = next_step(asked, rounds, guess)
+    assert second is not None
+    assert second.mesh.formulation.holds == "knots"
+    assert second.mesh.grid.steps == 10
+    rounds.append(failed(asked, second.mesh, guess))
+    third = next_step(asked, rounds, guess)
+    assert third is not None
+    assert third.mesh.grid.steps == 15
+    assert third.mesh.formulation is asked.formulation
+    while len(rounds) <= FAILED_SOLVES:
+        rounds.append(rounds[-1])
+    assert next_step(asked, rounds, guess) is None
+
+
+def test_the_given_path_is_a_rough_guess() -> None:
+    poses = [[0.0, 0.0, 0.0], [6.3, 3.0, 1.2], [6.3, -6.7, np.pi / 2]]
+    assert not GivenPath(poses).collision_free
