@@ -52,9 +52,7 @@ junk = st.recursive(
 points = st.lists(st.tuples(numbers, numbers).map(list), max_size=8)
 SCENE: dict[str, Any] = {
     "workspace": {"x": [-30, 30], "y": [-30, 30]},
-    "obstacles": [
-        {"name": "L", "vertices": [[10, 5], [14, 5], [14, 6], [11, 6], [11, 9], [10, 9]], "holes": []}
-    ],
+    "obstacles": [{"name": "L", "vertices": [[10, 5], [14, 5], [14, 6], [11, 6], [11, 9], [10, 9]], "holes": []}],
     "start": {"x": 0, "y": 0, "theta": 0, "v": 0, "delta": 0},
     "goal": {"x": 8, "y": -3, "theta": 0.5, "v": None, "delta": None},
     "tolerance": {"position": 0.01, "heading": 0.02},
