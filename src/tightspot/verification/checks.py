@@ -63,15 +63,14 @@ def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
     """At the knots as stored, and at every node of the replay: between knots, too."""
     vehicle, trajectory = replay.vehicle, replay.trajectory
     states = np.concatenate([trajectory.states, replay.node_states])
-    for name, values, names, bounds in (
-        ("state bounds", states, vehicle.state_names, vehicle.state_bounds),
-        ("input bounds", trajectory.inputs, vehicle.input_names, vehicle.input_bounds),
+    for kind, values, names, units, bounds in (
+        ("state", states, vehicle.state_names, vehicle.state_units, vehicle.state_bounds),
+        ("input", trajectory.inputs, vehicle.input_names, vehicle.input_units, vehicle.input_bounds),
     ):
         excess = np.maximum(bounds[0] - values, values - bounds[1]).max(axis=0)
         worst = int(excess.argmax())
-        value = max(0.0, float(excess[worst]))
-        what = f"{name} are exceeded by" if value == 0 else f"{name} are exceeded, by {names[worst]} most:"
-        yield upper(name, value, limits.bounds, what, "in the state's or input's unit")
+        what = f"{kind} {names[worst]} comes nearest to its bound or beyond: excess"
+        yield upper(f"{kind} bounds", max(0.0, float(excess[worst])), limits.bounds, what, units[worst])
 
 
 def _start(scenario: Scenario, replay: Replay, limits: Limits) -> Iterator[Check]:

@@ -26,7 +26,7 @@ coarsely.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,7 @@ _MAJOR, _MINOR = (_RATIO + 1 / _RATIO) / 2, (_RATIO - 1 / _RATIO) / 2
 _REMAINDER = 4 * _RATIO ** -(2 * _POINTS - 1) / (_RATIO - 1)
 _EPS = float(np.finfo(float).eps)
 MAX_PANELS = 400_000
+_BLOCK = 10_000
 _STEEPEST = 1.5
 
 
@@ -91,6 +92,12 @@ class _Panels:
     def half(self) -> Array:
         """Half lengths w, s."""
         return 0.5 * np.diff(self.grid)
+
+    def part(self, block: slice) -> _Panels:
+        """Some of the panels; their grid is left out."""
+        return replace(
+            self, v=self.v[block], delta=self.delta[block], a=self.a[block], omega=self.omega[block], grid=self.grid[:0]
+        )
 
     def yaw_rate(self, tau: Array) -> Array:
         """theta' at times tau (p, ...) after the panels' beginnings, rad/s."""
@@ -151,12 +158,21 @@ def _integrals(panels: _Panels, start: Array) -> tuple[Array, Array, Array]:
     w = panels.half
     tau = w[:, None] * (1 + _NODES)
     theta = _running_sum(start[2], w * (panels.yaw_rate(tau) @ _WEIGHTS))
-    inner = 0.5 * tau[:, :, None] * (1 + _NODES)
-    heading = theta[:-1, None] + 0.5 * tau * (panels.yaw_rate(inner) @ _WEIGHTS)
+    heading = theta[:-1, None] + _turns_within(panels, tau)
     speed = panels.v[:, None] + panels.a[:, None] * tau
     x = _running_sum(start[0], w * ((speed * np.cos(heading)) @ _WEIGHTS))
     y = _running_sum(start[1], w * ((speed * np.sin(heading)) @ _WEIGHTS))
     return theta, x, y
+
+
+def _turns_within(panels: _Panels, tau: Array) -> Array:
+    """Turns since the panels' beginnings at times tau (p, n), rad; in blocks that keep memory small."""
+    turns = np.empty_like(tau)
+    for block in (slice(i, i + _BLOCK) for i in range(0, len(tau), _BLOCK)):
+        half = 0.5 * tau[block]
+        inner = half[:, :, None] * (1 + _NODES)
+        turns[block] = half * (panels.part(block).yaw_rate(inner) @ _WEIGHTS)
+    return turns
 
 
 def _errors(panels: _Panels, steps: int, largest: Array) -> tuple[Array, Array]:
