@@ -6,9 +6,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from benchmarks.replay import replay
 
 import tightspot
-from benchmarks.replay import replay
 from tightspot.errors import InputError, PlanningError, SceneError
 from tightspot.formulations import FORMULATIONS
 from tightspot.guesses import GivenPath

@@ -29,7 +29,7 @@ Lines = NDArray[np.object_]
 
 FLAT = np.pi + 1e-12
 _ALL_VISIBLE = 6_000  # pairs of vertices, beyond which only Delaunay diagonals are tried
-_ROUNDS = 300  # attempts to improve the first choice
+_EFFORT = 3000  # rounds of improvement times reflex corners: a round's cost grows faster than the corners
 _THROUGH_THE_INTERIOR = "1FFF0F***"  # DE-9IM of a segment with its ends on the boundary and nothing else
 
 
@@ -162,7 +162,7 @@ def _fewest(puzzle: _Puzzle, lines: Lines) -> Indices | None:
     random = np.random.default_rng(0)
     middles = shapely.get_coordinates(shapely.line_interpolate_point(lines, 0.5, normalized=True))
     enough = (len(puzzle.corners) + 1) // 2
-    for _ in range(min(_ROUNDS, 8 * len(puzzle.corners))):
+    for _ in range(min(_EFFORT // len(puzzle.corners), 8 * len(puzzle.corners))):
         if len(best) <= enough:
             break
         centre = middles[random.choice(best)]
