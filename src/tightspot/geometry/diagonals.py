@@ -28,7 +28,7 @@ Indices = NDArray[np.intp]
 Lines = NDArray[np.object_]
 
 FLAT = np.pi + 1e-12
-_ALL_VISIBLE = 6_000  # pairs of vertices, beyond which only Delaunay diagonals are tried
+_ALL_VISIBLE = 2_000  # pairs of vertices, beyond which only Delaunay diagonals are tried
 _EFFORT = 3000  # rounds of improvement times reflex corners: a round's cost grows faster than the corners
 _THROUGH_THE_INTERIOR = "1FFF0F***"  # DE-9IM of a segment with its ends on the boundary and nothing else
 
