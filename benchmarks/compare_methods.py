@@ -109,6 +109,8 @@ def main() -> int:
     if not options.no_write:
         RESULTS.mkdir(exist_ok=True)
         (RESULTS / "compare_methods.md").write_text(report, encoding="utf-8")
+        table = "\n".join(summary(rows)) + "\n"  # the documentation shows it
+        (RESULTS / "compare_methods_table.md").write_text(table, encoding="utf-8")
         content = json.dumps({"machine": where, "runs": rows}, indent=2) + "\n"
         (RESULTS / "compare_methods.json").write_text(content, encoding="utf-8")
     return 0

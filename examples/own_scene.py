@@ -32,4 +32,4 @@ except tightspot.PlanningError as error:
     print("no plan:", error.reason)
     print("worst moment of the last attempt:", error.witness)
 else:
-    print(f"{plan.trajectory.duration:.1f} s, clearance of at least {plan.certificate.clearance:.3f} m")
+    print(plan.certificate.summary()[0])

@@ -7,11 +7,11 @@ import statistics
 from pathlib import Path
 
 import pytest
-
 from benchmarks.plan_scenes import search_time
 from benchmarks.replay import replay_file
 from benchmarks.run import run_tightspot
 from benchmarks.scenes import CASES, PROMISED_MARGIN, TPCAP, builtin_scenes
+
 from tightspot import scenarios
 
 pytestmark = pytest.mark.slow

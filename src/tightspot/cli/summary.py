@@ -67,4 +67,5 @@ def plan_facts(plan: Plan) -> dict[str, Any]:
 def _clearance(certificate: Certificate) -> str:
     if math.isinf(certificate.clearance):
         return "nothing to touch"
-    return f"at least {certificate.clearance:.4f} m at all times (demanded {certificate.margin:g} m)"
+    proved = math.floor(certificate.clearance * 1e4) / 1e4  # a bound must not be promised larger than it is
+    return f"at least {proved:.4f} m at all times (demanded {certificate.margin:g} m)"
