@@ -9,7 +9,7 @@ import pytest
 
 from tightspot.errors import SceneError
 from tightspot.scenarios import Scenario, load
-from tightspot.scenarios.safe_yaml import load_yaml
+from tightspot.safe_yaml import load_yaml
 from tightspot.scenarios.schema import KNOWN
 
 ROOT = Path(__file__).parents[2]

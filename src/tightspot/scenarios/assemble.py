@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from tightspot.errors import GeometryError, Problem, SceneError
 from tightspot.geometry import ConvexPolygon
+from tightspot.problems import prefixed, shortened
 from tightspot.scenarios import schema, states
 from tightspot.scenarios.obstacle import Obstacle, unique_names
-from tightspot.scenarios.problems import prefixed, shortened
 from tightspot.vehicles import VehicleSpec
 
 Array = NDArray[np.float64]

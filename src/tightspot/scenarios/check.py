@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from tightspot.errors import Problem, SceneError
 from tightspot.geometry import clearance as signed_distance
+from tightspot.problems import shortened
 from tightspot.scenarios.clearances import (
     Clearance,
     body_vertices,
     clearances,
     workspace_excess,
 )
-from tightspot.scenarios.problems import shortened
 from tightspot.scenarios.scenario import Scenario
 from tightspot.scenarios.states import STATE
 from tightspot.vehicles import VehicleModel

@@ -24,7 +24,7 @@ from pydantic import (
 
 from tightspot import vehicles
 from tightspot.errors import Problem, VehicleError
-from tightspot.scenarios.problems import MOST_PROBLEMS, from_pydantic, near, prefixed, refusal, shown, unknown_key
+from tightspot.problems import MOST_PROBLEMS, from_pydantic, near, prefixed, refusal, shown, unknown_key
 
 FORMAT: Literal["tightspot-scene/1"] = "tightspot-scene/1"
 MAX_VERTICES = 50_000

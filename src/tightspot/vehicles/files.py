@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import yaml
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
-from pydantic_core import ErrorDetails
 
 from tightspot.errors import GeometryError, Problem, VehicleError
 from tightspot.geometry.decomposition import decompose
 from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.problems import from_pydantic
+from tightspot.safe_yaml import UnreadableError, load_json, load_yaml
 from tightspot.vehicles.base import BodyPart
 from tightspot.vehicles.catalogue import CATALOGUE, vehicle
 from tightspot.vehicles.single_track import Limits, SingleTrack
@@ -71,6 +71,11 @@ class VehicleSpec(_Strict):
     source: str = ""
 
 
+_KEYS = tuple(
+    dict.fromkeys(key for model in (VehicleSpec, RectangleSpec, PartSpec, LimitsSpec) for key in model.model_fields)
+)
+
+
 def from_dict(data: Mapping[str, Any]) -> SingleTrack:
     """A vehicle from the object that :meth:`SingleTrack.to_dict` writes or a user's file holds.
 
@@ -80,7 +85,7 @@ def from_dict(data: Mapping[str, Any]) -> SingleTrack:
     try:
         spec = VehicleSpec.model_validate(data)
     except ValidationError as error:
-        raise VehicleError([_problem(detail) for detail in error.errors()]) from None
+        raise VehicleError([_untagged(problem) for problem in from_pydantic(error, "", _KEYS)]) from None
     given = spec.limits
     limits = Limits(given.speed, given.acceleration, given.steering, given.steering_rate)
     body = _rectangle(spec.body) if isinstance(spec.body, RectangleSpec) else _parts(spec.body)
@@ -128,49 +133,29 @@ def load_vehicle(name_or_path: str | Path) -> SingleTrack:
 
 
 def _read(path: Path) -> Any:
+    """The plain data in the file; depth and aliases are bounded before anything is built."""
     try:
-        if path.stat().st_size <= _MAX_BYTES:
-            return yaml.safe_load(path.read_text(encoding="utf-8"))
+        size = path.stat().st_size
+        text = path.read_text(encoding="utf-8-sig") if size <= _MAX_BYTES else ""
     except OSError as error:
-        raise VehicleError(Problem("vehicle", f"{path} cannot be read: {error.strerror or error}")) from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        first_line = str(error).splitlines()[0] if str(error) else type(error).__name__
-        sentence = f"{path} is not readable as YAML or JSON: {first_line}"
-        raise VehicleError(Problem("vehicle", sentence)) from None
-    sentence = f"{path} is larger than {_MAX_BYTES} bytes; a vehicle file is a few lines"
-    raise VehicleError(Problem("vehicle", sentence))
-
-
-def _problem(detail: ErrorDetails) -> Problem:
-    tags = ((1, "rectangle"), (1, "parts"))
-    loc = [item for place, item in enumerate(detail["loc"]) if (place, item) not in tags]
-    path = "".join(f"[{item}]" if isinstance(item, int) else f".{item[:40]}" for item in loc).lstrip(".")
-    return Problem(path, _sentence(detail))
-
-
-def _sentence(detail: ErrorDetails) -> str:
-    kind, given, context = detail["type"], _shown(detail.get("input")), detail.get("ctx", {})
-    sentences = {
-        "missing": "is missing",
-        "extra_forbidden": "is not a known key; see `tightspot schema --vehicle`",
-        "greater_than": f"{given} must be more than {context.get('gt')}",
-        "greater_than_equal": f"{given} must be at least {context.get('ge')}",
-        "less_than_equal": f"{given} must be at most {context.get('le')}",
-        "too_short": f"needs at least {context.get('min_length')} entries, but is {given}",
-        "too_long": f"is too long: at most {context.get('max_length')} entries are read",
-    }
-    if kind in sentences:
-        return sentences[kind]
-    if kind.startswith("model"):
-        return f"must be an object with keys, but is {given}"
-    return f"{detail['msg']} (given: {given})"
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, Mapping | list | tuple):
-        return "an object" if isinstance(value, Mapping) else f"a list of {len(value)}"
+        raise _refuse(f"{path} cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
+        raise _refuse(f"{path} is not UTF-8 text (byte {error.start}); save it as UTF-8") from None
+    except ValueError:  # a null byte in the name
+        raise _refuse(f"{ascii(str(path))} cannot be read: it is not a file name") from None
+    if size > _MAX_BYTES:
+        raise _refuse(f"{path} is larger than {_MAX_BYTES} bytes; a vehicle file is a few lines")
     try:
-        text = ascii(value[:60] if isinstance(value, str) else value)
-    except ValueError:  # integers of thousands of digits have no decimal text
-        text = f"a {type(value).__name__}"
-    return text if len(text) <= 40 else f"{text[:37]}..."
+        return load_json(text) if path.suffix.lower() == ".json" else load_yaml(text)
+    except UnreadableError as error:
+        raise _refuse(f"{path} {error}") from None
+
+
+def _refuse(sentence: str) -> VehicleError:
+    return VehicleError(Problem("vehicle", sentence))
+
+
+def _untagged(problem: Problem) -> Problem:
+    """Without the names by which pydantic tells the two kinds of body apart."""
+    path = problem.path.replace("body.rectangle", "body", 1).replace("body.parts", "body", 1)
+    return Problem(path, problem.message)

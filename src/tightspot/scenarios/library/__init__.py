@@ -7,8 +7,8 @@ from importlib import resources
 from typing import Any
 
 from tightspot.errors import Problem, SceneError
-from tightspot.scenarios.problems import near, shown
-from tightspot.scenarios.safe_yaml import load_yaml
+from tightspot.problems import near, shown
+from tightspot.safe_yaml import load_yaml
 from tightspot.scenarios.scenario import Scenario
 
 _NAMES = ("vertical", "parallel", "oblique", "garage", "dead-end", "loading-dock", "forklift-pallet")

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tightspot.errors import Problem, SceneError
+from tightspot.problems import near, shown
 from tightspot.scenarios import library
-from tightspot.scenarios.problems import near, shown
 from tightspot.scenarios.readers.files import refuse
 from tightspot.scenarios.readers.native import read_json, read_yaml
 from tightspot.scenarios.readers.tpcap import read_tpcap

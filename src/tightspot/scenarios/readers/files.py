@@ -6,7 +6,7 @@ import stat
 from pathlib import Path
 
 from tightspot.errors import Problem, SceneError
-from tightspot.scenarios.problems import near
+from tightspot.problems import near
 
 MAX_BYTES = 10_000_000
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from tightspot.errors import Problem, SceneError
-from tightspot.scenarios.problems import join, shown
+from tightspot.problems import join, shown
+from tightspot.safe_yaml import UnreadableError, load_json, load_yaml
 from tightspot.scenarios.readers.files import read_text, refuse
-from tightspot.scenarios.safe_yaml import UnreadableError, load_json, load_yaml
 from tightspot.scenarios.scenario import Scenario
 
 PLAN_FORMAT = "tightspot-plan/1"

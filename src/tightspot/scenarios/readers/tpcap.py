@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from tightspot.errors import Problem, SceneError
 from tightspot.geometry import wrap_angle
-from tightspot.scenarios.problems import MOST_PROBLEMS, shortened, shown
+from tightspot.problems import MOST_PROBLEMS, shortened, shown
 from tightspot.scenarios.readers.files import read_text, refuse
 from tightspot.scenarios.scenario import Scenario
 from tightspot.scenarios.schema import MAX_VERTICES

@@ -13,7 +13,7 @@ from typing import Any
 
 import yaml
 
-from tightspot.scenarios.problems import shown
+from tightspot.problems import shown
 
 MAX_DEPTH = 32
 MAX_NODES = 400_000
@@ -142,7 +142,7 @@ def _where(event: Any) -> str:
 
 
 def _too_deep() -> str:
-    return f"is nested more than {MAX_DEPTH} levels deep; a scene is not"
+    return f"is nested more than {MAX_DEPTH} levels deep; our files are flat"
 
 
 def _too_many() -> str:
