@@ -25,12 +25,12 @@ $(VENV)/.made:
 
 $(VENV)/.installed-plot: $(VENV)/.made $(BUILD_INPUTS)
 	@echo "installing tightspot and building its C++ core"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot]'
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --editable '.[plot]'
 	@touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.made $(BUILD_INPUTS)
 	@echo "installing tightspot, building its C++ core, installing what its tests need"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $(VENV)/.installed-plot $@
 
 demo: $(VENV)/.installed-plot
@@ -43,11 +43,11 @@ test: $(VENV)/.installed-dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	PATH="$(abspath $(BIN)):$$PATH" cpp/run_tests.sh
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	$(BIN)/pytest -n 2
 
 docs: $(VENV)/.installed-dev
-	$(BIN)/mkdocs build --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "Open site/index.html"
 
 bench: $(VENV)/.installed-dev

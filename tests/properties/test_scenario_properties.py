@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from tightspot.errors import SceneError
 from tightspot.geometry import clearance as signed_distance
-from tightspot.scenarios import Scenario, check, clearance, load
 from tightspot.safe_yaml import UnreadableError, load_json, load_yaml
+from tightspot.scenarios import Scenario, check, clearance, load
 
 KEYS = [
     "x",

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tightspot.errors import SceneError
-from tightspot.scenarios import Scenario, load
 from tightspot.safe_yaml import load_yaml
+from tightspot.scenarios import Scenario, load
 from tightspot.scenarios.schema import KNOWN
 
 ROOT = Path(__file__).parents[2]

@@ -142,7 +142,7 @@ def _read(path: Path) -> Any:
     except UnicodeDecodeError as error:
         raise _refuse(f"{path} is not UTF-8 text (byte {error.start}); save it as UTF-8") from None
     except ValueError:  # a null byte in the name
-        raise _refuse(f"{ascii(str(path))} cannot be read: it is not a file name") from None
+        raise _refuse(f"{str(path)!a} cannot be read: it is not a file name") from None
     if size > _MAX_BYTES:
         raise _refuse(f"{path} is larger than {_MAX_BYTES} bytes; a vehicle file is a few lines")
     try:
