@@ -79,9 +79,14 @@ def solve(scene, formulation, solver, start):
     return problem, report, problem.trajectory(report.x)
 
 
+def in_a_moment(scene, formulation, solver, start):
+    """SQP solves the others, too, in up to half a minute each."""
+    return solver != "sqp" or (scene == "around a corner" and start == "hybrid-astar")
+
+
 everything = pytest.mark.parametrize(
     ("scene", "formulation", "solver", "start"),
-    list(product(SCENES, FORMULATIONS, SOLVERS, GUESS_NAMES)),
+    [case for case in product(SCENES, FORMULATIONS, SOLVERS, GUESS_NAMES) if in_a_moment(*case)],
     ids=str,
 )
 
@@ -109,7 +114,8 @@ def test_it_is_solved_and_what_it_promises_holds(scene, formulation, solver, sta
 @pytest.mark.parametrize("start", GUESS_NAMES)
 @pytest.mark.parametrize("scene", SCENES)
 def test_exact_formulations_at_the_knots_agree_on_the_optimum(scene, start):
-    values = [solve(scene, name, solver, start)[1].objective for name, solver in product(KNOTS, SOLVERS)]
+    solved = [(name, solver) for name, solver in product(KNOTS, SOLVERS) if in_a_moment(scene, name, solver, start)]
+    values = [solve(scene, name, solver, start)[1].objective for name, solver in solved]
     np.testing.assert_allclose(values, values[0], rtol=1e-6)
 
 

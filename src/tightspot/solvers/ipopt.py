@@ -11,9 +11,10 @@ import casadi as ca
 import numpy as np
 
 from tightspot.errors import InputError, Problem
-from tightspot.solvers.base import Array, Iteration, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
 from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
+from tightspot.solvers.watcher import Watcher
 
 _STATUS = {
     "Solve_Succeeded": SolveStatus.SOLVED,
@@ -58,7 +59,7 @@ class Ipopt(Solver):
     ) -> SolveReport:
         started = time.perf_counter()
         interrupts = Interrupts()
-        watcher = _Watcher(nlp, callback, interrupts)
+        watcher = Watcher(nlp, callback, interrupts)
         function = self._function(nlp, warm, watcher)
         built = time.perf_counter()
         arguments: dict[str, Any] = {
@@ -79,7 +80,7 @@ class Ipopt(Solver):
         timings = {"build": built - started, "solve": time.perf_counter() - built}
         return self._report(nlp, function, result, timings)
 
-    def _function(self, nlp: Nlp, warm: WarmStart | None, watcher: _Watcher) -> Any:
+    def _function(self, nlp: Nlp, warm: WarmStart | None, watcher: Watcher) -> Any:
         options: dict[str, Any] = {
             "ipopt": self._ipopt_options(warm),
             "iteration_callback": watcher,
@@ -147,55 +148,3 @@ def _stationarity(function: Any, nlp: Nlp, x: Array, lam_x: Array, lam_g: Array)
         jacobian = function.get_function("nlp_jac_g")(x, nlp.p0)[1]
         gradient = gradient + np.array(ca.mtimes(jacobian.T, lam_g)).ravel()
     return float(np.abs(gradient).max() / max(1.0, np.abs(lam_g).max(initial=0.0)))
-
-
-class _Watcher(ca.Callback):
-    """CasADi's iteration callback: passes progress on, stops at Ctrl-C, keeps exceptions for after the solve."""
-
-    def __init__(self, nlp: Nlp, callback: IterationCallback | None, interrupts: Interrupts) -> None:
-        super().__init__()
-        self._nlp = nlp
-        self._callback = callback
-        self._interrupts = interrupts
-        self._count = 0
-        self.raised: BaseException | None = None
-        self.construct("watcher", {})
-
-    def get_n_in(self) -> int:
-        return int(ca.nlpsol_n_out())
-
-    def get_n_out(self) -> int:
-        return 1
-
-    def get_name_in(self, i: int) -> str:
-        return str(ca.nlpsol_out(i))
-
-    def get_name_out(self, i: int) -> str:
-        return "stop"
-
-    def get_sparsity_in(self, i: int) -> Any:
-        name = ca.nlpsol_out(i)
-        sizes = {
-            "f": 1,
-            "x": self._nlp.n_variables,
-            "lam_x": self._nlp.n_variables,
-            "g": self._nlp.n_rows,
-            "lam_g": self._nlp.n_rows,
-        }
-        return ca.Sparsity.dense(sizes[name], 1) if name in sizes else ca.Sparsity(0, 0)
-
-    def eval(self, arguments: Any) -> list[float]:
-        try:
-            stop = self._interrupts.pending or self._report(arguments) is False or self._interrupts.pending
-        except BaseException as error:
-            self.raised, stop = error, True
-        return [1.0 if stop else 0.0]
-
-    def _report(self, arguments: Any) -> bool | None:
-        if self._callback is None:
-            return None
-        values = dict(zip(ca.nlpsol_out(), arguments, strict=True))
-        violation = float(self._nlp.violation(np.array(values["g"], float).ravel()).max(initial=0.0))
-        iteration = Iteration(self._count, float(values["f"]), violation)
-        self._count += 1
-        return self._callback(iteration)
