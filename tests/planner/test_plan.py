@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,6 +74,13 @@ def walled_in() -> Scenario:
     scene = builtin("oblique")
     wall = Obstacle("wall", np.array([[-4.0, -1.2], [20.0, -1.2], [20.0, -1.15], [-4.0, -1.15]]))
     return dataclasses.replace(scene, obstacles=(*scene.obstacles, wall))
+
+
+def test_a_scene_without_obstacles_is_planned_too(tmp_path: Path) -> None:
+    plan = tightspot.plan(dataclasses.replace(builtin("oblique"), obstacles=()))
+    assert plan.certificate.certified
+    tightspot.save_plan(plan, tmp_path / "plan.json")
+    assert verify_plan(tightspot.load_plan(tmp_path / "plan.json")).upheld
 
 
 def test_no_path_is_an_answer_with_what_was_tried() -> None:

@@ -41,7 +41,8 @@ def interval_clearance(states: Array, per_interval: int, scenario: Scenario, veh
         vehicle: Body.
     """
     samples = sampled_clearance(states, scenario, vehicle)
-    inner = samples[:-1].reshape(-1, per_interval, *samples.shape[1:]).min(axis=1)
+    intervals = (len(states) - 1) // per_interval
+    inner = samples[:-1].reshape(intervals, per_interval, *samples.shape[1:]).min(axis=1)
     return np.asarray(np.minimum(inner, samples[per_interval::per_interval]))
 
 

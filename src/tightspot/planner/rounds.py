@@ -76,7 +76,7 @@ class Round:
             "pairs": int(self.mesh.active.sum()),
             "solve": self.report.to_dict(),
             "certified": bool(judged.certified) if judged else False,
-            "clearance": judged.clearance if judged else None,
+            "clearance": judged.clearance if judged and np.isfinite(judged.clearance) else None,
             "witness": str(judged.witness) if judged and judged.witness else None,
             "seconds": self.seconds,
         }
