@@ -41,9 +41,7 @@ def check_directory(directory: Path) -> None:
         raise InputError(Problem(OPTION, f"{existing} may not be written by you; choose another directory"))
     for name in (PLAN, TRAJECTORY, PICTURE):
         if (directory / name).is_dir():
-            raise InputError(
-                Problem(OPTION, f"{directory / name} is a directory, not a file; choose another")
-            )
+            raise InputError(Problem(OPTION, f"{directory / name} is a directory, not a file; choose another"))
 
 
 def write_plan(plan: Plan, directory: Path, *, picture: bool) -> dict[str, str]:

@@ -29,12 +29,12 @@ def plan_command(
     ] = None,
     formulation: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="swept-line (default), separating-line, unit-normal-line."),
+        typer.Option(metavar="NAME", help="Default: swept-line; a wrong name lists all."),
     ] = None,
     guess: Annotated[
-        str | None, typer.Option(metavar="NAME", help="hybrid-astar (default), simplified, linear.")
+        str | None, typer.Option(metavar="NAME", help="Default: hybrid-astar; a wrong name lists all.")
     ] = None,
-    solver: Annotated[str | None, typer.Option(metavar="NAME", help="ipopt (default).")] = None,
+    solver: Annotated[str | None, typer.Option(metavar="NAME", help="Default: ipopt; a wrong name lists all.")] = None,
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="Intervals to begin with; default: from the guess.")
     ] = None,
