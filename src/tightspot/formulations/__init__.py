@@ -2,12 +2,36 @@
 
 from tightspot.errors import InputError, Problem
 from tightspot.formulations.base import Formulation, Pair, Pose, Rows
+from tightspot.formulations.disc_cover import DiscCover
+from tightspot.formulations.farkas_dual import FarkasDual
+from tightspot.formulations.min_edge_distance import MinEdgeDistance
+from tightspot.formulations.normalised_farkas_dual import NormalisedFarkasDual
+from tightspot.formulations.separating_gap import SeparatingGap
 from tightspot.formulations.separating_line import SeparatingLine
+from tightspot.formulations.shared_vertex_exclusion import SharedVertexExclusion
+from tightspot.formulations.signed_distance_dual import SignedDistanceDual
+from tightspot.formulations.soft_signed_distance import SoftSignedDistance
 from tightspot.formulations.swept_line import SweptLine
+from tightspot.formulations.triangle_area import TriangleArea
 from tightspot.formulations.unit_normal_line import UnitNormalLine
+from tightspot.formulations.vertex_exclusion import VertexExclusion
 
 FORMULATIONS: dict[str, type[Formulation]] = {
-    member.name: member for member in (SeparatingLine, UnitNormalLine, SweptLine)
+    member.name: member
+    for member in (
+        SeparatingLine,
+        UnitNormalLine,
+        SweptLine,
+        SeparatingGap,
+        VertexExclusion,
+        SharedVertexExclusion,
+        FarkasDual,
+        NormalisedFarkasDual,
+        SignedDistanceDual,
+        MinEdgeDistance,
+        TriangleArea,
+        DiscCover,
+    )
 }
 """Members by the name used at the edges (command line, files)."""
 
@@ -27,12 +51,22 @@ def formulation(name: str) -> Formulation:
 
 __all__ = [
     "FORMULATIONS",
+    "DiscCover",
+    "FarkasDual",
     "Formulation",
+    "MinEdgeDistance",
+    "NormalisedFarkasDual",
     "Pair",
     "Pose",
     "Rows",
+    "SeparatingGap",
     "SeparatingLine",
+    "SharedVertexExclusion",
+    "SignedDistanceDual",
+    "SoftSignedDistance",
     "SweptLine",
+    "TriangleArea",
     "UnitNormalLine",
+    "VertexExclusion",
     "formulation",
 ]

@@ -15,6 +15,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.geometry.polygon import ConvexPolygon
+
 Array = NDArray[np.float64]
 
 
@@ -67,6 +69,20 @@ class Pair:
         y = self.V0[:, 0] * s + self.V0[:, 1] * c + pose.y
         return ca.horzcat(x, y)
 
+    def body_halfplanes(self, index: int) -> tuple[Any, Any]:
+        """World half-planes ``C q <= d`` of the part at pose ``index``: C = C0 R^T (n_B, 2), d = d0 + C T (n_B, 1)."""
+        pose = self.poses[index]
+        c, s = ca.cos(pose.theta), ca.sin(pose.theta)
+        C = ca.horzcat(self.C0[:, 0] * c - self.C0[:, 1] * s, self.C0[:, 0] * s + self.C0[:, 1] * c)
+        return C, self.d0 + C @ ca.vertcat(pose.x, pose.y)
+
+    def obstacle_in_body_frame(self, index: int) -> Any:
+        """Obstacle vertices as the part sees them at pose ``index``, (n_O, 2) expression: (O - T^T) R."""
+        pose = self.poses[index]
+        c, s = ca.cos(pose.theta), ca.sin(pose.theta)
+        dx, dy = self.O[:, 0] - pose.x, self.O[:, 1] - pose.y
+        return ca.horzcat(dx * c + dy * s, dy * c - dx * s)
+
 
 class Formulation(ABC):
     """One way to write separation.
@@ -76,7 +92,7 @@ class Formulation(ABC):
         equation: The paper's equation, or where it comes from.
         holds: ``"knots"`` or ``"interval"``: where in time a feasible point promises separation.
         is_exact: True if the rows are satisfiable exactly when the polygons are disjoint.
-        expresses_margin: True if the rows say "distance >= margin".
+        expresses_margin: True if the rows say "distance >= margin", no more and no less.
         smallest_margin: Margins below this are raised to it, because the rows would be satisfied vacuously, m.
     """
 
@@ -101,22 +117,35 @@ class Formulation(ABC):
         """The rows for one pair; ``auxiliary`` is a CasADi column of the declared length."""
 
     @abstractmethod
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:
+    def start(self, poses: Array, body: ConvexPolygon, obstacle: ConvexPolygon) -> Array:
         """Closed-form starting values from the best separating line of the guess.
 
         Args:
             poses: The guess's poses, (M, P, 3): M pairs in a batch, P poses each.
-            V0: Body-frame vertices, (n_B, 2).
-            O: Obstacle vertices, (n_O, 2).
+            body: The body part in its own frame.
+            obstacle: The obstacle part.
 
         Returns:
             Starting values, (M, n_aux).
         """
 
+    def penalty(self, auxiliary: Any) -> Any:
+        """What the pair adds to the objective, times a weight of the transcription's; 0 but for soft members.
+
+        Args:
+            auxiliary: The pair's auxiliary variables, a CasADi column of the declared length.
+        """
+        return 0.0
+
 
 def free(count: int) -> tuple[Array, Array]:
     """Bounds of ``count`` free variables."""
     return np.full(count, -np.inf), np.full(count, np.inf)
+
+
+def not_negative(count: int) -> tuple[Array, Array]:
+    """Bounds of ``count`` multipliers: at least 0."""
+    return np.zeros(count), np.full(count, np.inf)
 
 
 def at_least(expression: Any, bound: float = 0.0) -> Rows:
@@ -129,3 +158,9 @@ def at_most(expression: Any, bound: float = 0.0) -> Rows:
     """``expression <= bound`` entry by entry."""
     count = expression.numel()
     return Rows(ca.vec(expression), np.full(count, -np.inf), np.full(count, bound))
+
+
+def zero(expression: Any) -> Rows:
+    """``expression = 0`` entry by entry."""
+    nothing = np.zeros(expression.numel())
+    return Rows(ca.vec(expression), nothing, nothing)

@@ -11,6 +11,7 @@ import numpy as np
 
 from tightspot.formulations.base import Array, Formulation, Pair, Rows, at_least, at_most, free
 from tightspot.formulations.lines import line_of_guess
+from tightspot.geometry.polygon import ConvexPolygon
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,6 @@ class SeparatingLine(Formulation):
             Rows(ca.sumsqr(lam), np.array([-np.inf]), np.array([1.0])),
         ]
 
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:
-        normal, offset = line_of_guess(poses, V0, O)
+    def start(self, poses: Array, body: ConvexPolygon, obstacle: ConvexPolygon) -> Array:
+        normal, offset = line_of_guess(poses, body, obstacle)
         return np.column_stack([normal, offset])

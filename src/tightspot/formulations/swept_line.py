@@ -11,6 +11,7 @@ import numpy as np
 
 from tightspot.formulations.base import Array, Formulation, Pair, Rows, at_least, at_most, free
 from tightspot.formulations.lines import line_of_guess
+from tightspot.geometry.polygon import ConvexPolygon
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,6 @@ class SweptLine(Formulation):
             rows.append(at_least(pair.body_vertices(index) @ normal - mu - (pair.margins[index] - base)))
         return rows
 
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:
-        normal, offset = line_of_guess(poses, V0, O)
+    def start(self, poses: Array, body: ConvexPolygon, obstacle: ConvexPolygon) -> Array:
+        normal, offset = line_of_guess(poses, body, obstacle)
         return np.column_stack([np.arctan2(normal[:, 1], normal[:, 0]), offset])

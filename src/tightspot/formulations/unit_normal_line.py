@@ -11,6 +11,7 @@ import numpy as np
 
 from tightspot.formulations.base import Array, Formulation, Pair, Rows, at_least, at_most, free
 from tightspot.formulations.lines import line_of_guess
+from tightspot.geometry.polygon import ConvexPolygon
 
 
 @dataclass(frozen=True)
@@ -40,15 +41,12 @@ class UnitNormalLine(Formulation):
 
     def rows(self, auxiliary: Any, pair: Pair) -> Sequence[Rows]:
         phi, offset = auxiliary[0], auxiliary[1]
-        pose, half = pair.poses[0], pair.margins[0] / 2
-        c, s = ca.cos(pose.theta), ca.sin(pose.theta)
-        dx, dy = pair.O[:, 0] - pose.x, pair.O[:, 1] - pose.y
-        obstacle = (dx * c + dy * s) * ca.cos(phi) + (dy * c - dx * s) * ca.sin(phi)
-        body = pair.V0[:, 0] * ca.cos(phi) + pair.V0[:, 1] * ca.sin(phi)
+        normal, half = ca.vertcat(ca.cos(phi), ca.sin(phi)), pair.margins[0] / 2
+        body, obstacle = pair.V0 @ normal, pair.obstacle_in_body_frame(0) @ normal
         return [at_least(body - offset - half), at_most(obstacle - offset + half)]
 
-    def start(self, poses: Array, V0: Array, O: Array) -> Array:
-        normal, offset = line_of_guess(poses, V0, O)
+    def start(self, poses: Array, body: ConvexPolygon, obstacle: ConvexPolygon) -> Array:
+        normal, offset = line_of_guess(poses, body, obstacle)
         pose = poses[:, 0]
         phi = np.arctan2(normal[:, 1], normal[:, 0]) - pose[:, 2]
         return np.column_stack([phi, offset - np.einsum("mi,mi->m", normal, pose[:, :2])])

@@ -46,6 +46,7 @@ class Builder:
         self.ubg: list[Array] = []
         self.blocks: list[RowBlock] = []
         self.n = self.m = 0
+        self.penalty: Any = 0.0
         self.final_time = ca.SX.sym("t_f")
         self._parameters()
         self.intervals = settings.poses if settings.formulation.holds == "interval" else 1
@@ -58,10 +59,13 @@ class Builder:
         self.margin, self.end_margin, self.workspace_margin = (
             ca.SX.sym(name) for name in ("margin", "end_margin", "workspace_margin")
         )
+        self.penalty_weight = ca.SX.sym("penalty_weight")
         self.p = [self.time_weight, self.weights, self.margin, self.end_margin, self.workspace_margin]
+        self.p.append(self.penalty_weight)
         end = settings.margin if settings.end_margin is None else settings.end_margin
+        margins = [settings.margin, end, settings.workspace_margin]
         self.p0: list[Array] = [
-            np.array([objective.time_weight, *objective.input_weights, settings.margin, end, settings.workspace_margin])
+            np.array([objective.time_weight, *objective.input_weights, *margins, settings.penalty_weight])
         ]
         self.obstacle_symbols = []
         for index, polygon in enumerate(self.obstacles):
@@ -93,16 +97,18 @@ class Builder:
                 control, control_slice = self._variables(f"u{k}", *self.vehicle.input_bounds, guess.inputs[k])
                 inputs.append(control)
             first_row = self.m
-            auxiliary = self._path_rows(k, states, inputs, guess, fixed_poses)
+            driven = self._driven(k, states, inputs) if k > 0 else []
+            auxiliary = self._path_rows(k, states, inputs, driven, guess, fixed_poses)
             path, first_row = slice(first_row, self.m), self.m
             if k > 0:
-                self._dynamics(k, states, inputs)
+                self._dynamics(k, driven[-1], states[k])
                 stages[-1] = _with_dynamics(stages[-1], slice(first_row, self.m))
             stages.append(Stage(k, state_slice, control_slice, auxiliary, slice(self.m, self.m), path))
         low_time, high_time = settings.final_time_bounds
         shared = slice(self.n, self.n + 1)
         self._append(self.final_time, np.array([low_time]), np.array([high_time]), np.array([guess.duration]))
         f = settings.objective.expression(inputs, self.final_time, self.grid, self.time_weight, self.weights)
+        f += self.penalty_weight * self.penalty
         return Nlp(
             ca.vertcat(*self.x), ca.vertcat(*self.p), f, ca.vertcat(*self.g),
             concatenate(self.lbx), concatenate(self.ubx), concatenate(self.lbg), concatenate(self.ubg),
@@ -135,19 +141,33 @@ class Builder:
         self.blocks.append(RowBlock(slice(self.m, self.m + lower.size), kind, knot, detail))
         self.m += lower.size
 
-    def _dynamics(self, k: int, states: list[Any], inputs: list[Any]) -> None:
-        step = self.final_time * float(self.grid.widths[k - 1])
-        after = rk4(self.vehicle, states[k - 1], inputs[k - 1], step, self.settings.substeps)
+    def _driven(self, k: int, states: list[Any], inputs: list[Any]) -> list[Any]:
+        """States integrated from the beginning of interval [t_{k-1}, t_k] to the ends of its sub-intervals."""
+        step = self.final_time * float(self.grid.widths[k - 1]) / self.intervals
+        substeps = -(-self.settings.substeps // self.intervals)
+        driven = [states[k - 1]]
+        for _ in range(self.intervals):
+            driven.append(rk4(self.vehicle, driven[-1], inputs[k - 1], step, substeps))
+        return driven[1:]
+
+    def _dynamics(self, k: int, after: Any, state: Any) -> None:
         zero = np.zeros(self.vehicle.n_states)
-        self._rows(after - states[k], zero, zero, "dynamics", k)
+        self._rows(after - state, zero, zero, "dynamics", k)
 
     def _path_rows(
-        self, k: int, states: list[Any], inputs: list[Any], guess: Trajectory, fixed_poses: tuple[bool, bool]
+        self,
+        k: int,
+        states: list[Any],
+        inputs: list[Any],
+        driven: list[Any],
+        guess: Trajectory,
+        fixed_poses: tuple[bool, bool],
     ) -> slice:
         """W and separation rows that hold at knot k or on the interval that ends there; none at the start."""
         first = self.n
         if k > 0:
-            samples = self._sample_states(k, states, inputs)
+            knots_only = self.settings.formulation.holds == "knots"
+            samples = [states[k]] if knots_only else [states[k - 1], *driven[:-1], states[k]]
             fixed = [False] * len(samples)
             fixed[0] = fixed_poses[0] and k == 1 and len(samples) > 1
             fixed[-1] = fixed_poses[1] and k == self.grid.steps
@@ -157,17 +177,6 @@ class Builder:
                 for obstacle_index in np.flatnonzero(self.active[k - 1, part_index]):
                     self._separation_rows(k, part_index, int(obstacle_index), samples, fixed, covers[part_index], guess)
         return slice(first, self.n)
-
-    def _sample_states(self, k: int, states: list[Any], inputs: list[Any]) -> list[Any]:
-        """States at the poses of interval [t_{k-1}, t_k]: the last knot alone, or both ends and those between."""
-        if self.settings.formulation.holds == "knots":
-            return [states[k]]
-        step = self.final_time * float(self.grid.widths[k - 1])
-        between = [
-            rk4(self.vehicle, states[k - 1], inputs[k - 1], step * (index / self.intervals))
-            for index in range(1, self.intervals)
-        ]
-        return [states[k - 1], *between, states[k]]
 
     def _poses(self, part: BodyPart, samples: list[Any]) -> tuple[Pose, ...]:
         return tuple(Pose(*self.vehicle.frames(ca.vertsplit(state), ca)[part.frame]) for state in samples)
@@ -214,8 +223,9 @@ class Builder:
         poly = part.polygon
         pair = Pair(self._poses(part, samples), poly.vertices, poly.A, poly.b, *symbols, margins)
         lower, upper = formulation.auxiliary_bounds(len(poly.vertices), len(polygon.vertices))
-        start = formulation.start(self._guess_poses(k, part, guess), poly.vertices, polygon.vertices)[0]
+        start = formulation.start(self._guess_poses(k, part, guess), poly, polygon)[0]
         auxiliary, _ = self._variables(f"aux{k}_{part_index}_{obstacle_index}", lower, upper, start)
+        self.penalty += formulation.penalty(auxiliary)
         detail = f"{part.name} against obstacle part {obstacle_index}"
         for rows in formulation.rows(auxiliary, pair):
             self._rows(*rows, "separation", k, detail)

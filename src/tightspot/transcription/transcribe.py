@@ -39,6 +39,7 @@ class Settings:
         substeps: RK4 steps an interval.
         poses: Sub-intervals whose end poses carry rows, for formulations that hold on the interval.
         final_time: Bounds of the free final time, s, or one number to fix it.
+        penalty_weight: What a soft formulation's penalty is multiplied with, 1/m; exact members have none.
         heading_limit: Bound of |theta|, rad; infinite but for reproducing the paper.
     """
 
@@ -50,6 +51,7 @@ class Settings:
     substeps: int = 4
     poses: int = 2
     final_time: float | tuple[float, float] = (0.1, 1000.0)
+    penalty_weight: float = 100.0
     heading_limit: float = np.inf
 
     def __post_init__(self) -> None:
@@ -62,6 +64,8 @@ class Settings:
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value >= 0):
                 problems.append(Problem(name, f"{value} m must be finite and not negative"))
+        if not (np.isfinite(self.penalty_weight) and self.penalty_weight >= 0):
+            problems.append(Problem("penalty_weight", f"{self.penalty_weight} must be finite and not negative"))
         low, high = self.final_time_bounds
         if not 0 < low <= high:
             problems.append(Problem("final_time", f"[{low}, {high}] s must be positive and in order"))
