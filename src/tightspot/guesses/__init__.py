@@ -2,6 +2,7 @@
 
 from tightspot.errors import InputError, Problem
 from tightspot.guesses.base import Guess, GuessResult
+from tightspot.guesses.collision_free import CollisionFreeModel
 from tightspot.guesses.given_path import GivenPath
 from tightspot.guesses.hybrid_astar import HybridAStar
 from tightspot.guesses.lift import Arc, lift_arcs
@@ -9,7 +10,7 @@ from tightspot.guesses.linear import LinearInterpolation
 from tightspot.guesses.simplified import SimplifiedModel
 
 GUESSES: dict[str, type[Guess]] = {
-    member.name: member for member in (HybridAStar, SimplifiedModel, LinearInterpolation)
+    member.name: member for member in (HybridAStar, SimplifiedModel, CollisionFreeModel, LinearInterpolation)
 }
 """Members that need no further argument, by the name used at the edges."""
 
@@ -30,6 +31,7 @@ def guess(name: str) -> Guess:
 __all__ = [
     "GUESSES",
     "Arc",
+    "CollisionFreeModel",
     "GivenPath",
     "Guess",
     "GuessResult",

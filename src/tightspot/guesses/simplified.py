@@ -71,6 +71,9 @@ class SimplifiedModel(Guess):
         steps: Number of intervals.
         speed_weight: p.
         time_weight: r.
+        duration: Final time of the linear interpolation, s.
+        substeps: RK4 steps an interval.
+        heading_limit: Bound of |theta|, rad; the paper has pi.
         solver: For the reduced problem.
     """
 
@@ -79,36 +82,46 @@ class SimplifiedModel(Guess):
     steps: int = 20
     speed_weight: float = 1.0
     time_weight: float = 1.0
+    duration: float = 40.0
+    substeps: int = 4
+    heading_limit: float = np.inf
     solver: Solver = field(default_factory=lambda: Ipopt(time_limit=20.0))
 
     def make(self, scenario: Scenario, vehicle: VehicleModel, *, margin: float) -> GuessResult:
         car = as_single_track(vehicle, self.name)
+        settings = Settings(self.objective, substeps=self.substeps, heading_limit=self.heading_limit)
+        return self.solve_reduced(scenario, car, settings, sees_obstacles=False)
+
+    @property
+    def objective(self) -> Objective:
+        """That of eq. (26a)."""
+        return Objective(self.time_weight, (self.speed_weight, 0.0), EnergyForm.TIME_SCALED)
+
+    def solve_reduced(
+        self, scenario: Scenario, car: SingleTrack, settings: Settings, *, sees_obstacles: bool
+    ) -> GuessResult:
+        """The reduced problem from linear interpolation, with separation rows for all obstacle parts or for none."""
         reduced = ReducedSingleTrack(car)
         start, goal = known(scenario.start), known(scenario.goal)
         goal[2] = nearest_angle(goal[2], start[2])
         line = Trajectory(
-            np.linspace(0.0, 40.0, self.steps + 1),
+            np.linspace(0.0, self.duration, self.steps + 1),
             np.linspace(start[:3], goal[:3], self.steps + 1),
             np.zeros((self.steps, 2)),
             reduced.state_names,
             reduced.input_names,
         )
-        objective = Objective(self.time_weight, (self.speed_weight, 0.0), EnergyForm.TIME_SCALED)
+        active = np.full((self.steps, len(car.parts), len(scenario.obstacle_parts)), sees_obstacles)
         grid = TimeGrid.uniform(self.steps)
-        none = np.zeros((self.steps, len(car.parts), len(scenario.obstacle_parts)), bool)
-        transcription = transcribe(
-            scenario, reduced, line, Settings(objective), grid=grid, active=none, start=start[:3], goal=goal[:3]
-        )
+        ends = {"start": start[:3], "goal": goal[:3]}
+        transcription = transcribe(scenario, reduced, line, settings, grid=grid, active=active, **ends)
         report = self.solver.solve(transcription.nlp)
+        which = "with obstacles" if sees_obstacles else "without obstacles"
         if not report.status.success:
-            return GuessResult(
-                None, f"The simplified model has no solution: {report.status.sentence}", report.to_dict()
-            )
-        return GuessResult(
-            full_trajectory(transcription.trajectory(report.x), car, start, goal),
-            "Solution of the simplified model without obstacles.",
-            report.to_dict(),
-        )
+            reason = f"The simplified model {which} has no solution: {report.status.sentence}"
+            return GuessResult(None, reason, report.to_dict())
+        trajectory = full_trajectory(transcription.trajectory(report.x), car, start, goal)
+        return GuessResult(trajectory, f"Solution of the simplified model {which}.", report.to_dict())
 
 
 def full_trajectory(reduced: Trajectory, car: SingleTrack, start: Array, goal: Array) -> Trajectory:
