@@ -66,10 +66,7 @@ def test_derivatives_match_central_differences():
     F = ca.Function("F", [z], [rk4(CAR, xi, u, h, 3)])
     J = ca.Function("J", [z], [ca.jacobian(F(z), z)])
     point, step = np.r_[STATE, INPUT, 1.5], 1e-5
-    columns = [
-        (np.array(F(point + step * e)) - np.array(F(point - step * e))).ravel() / (2 * step)
-        for e in np.eye(8)
-    ]
+    columns = [(np.array(F(point + step * e)) - np.array(F(point - step * e))).ravel() / (2 * step) for e in np.eye(8)]
     np.testing.assert_allclose(np.array(J(point)), np.column_stack(columns), atol=1e-9)
 
 

@@ -69,9 +69,7 @@ def test_variables_and_rows_of_the_paper_s_scene_are_the_paper_s():
     assert nlp.n_variables + nlp.n_rows + 3 * 2 * 20 == 1166
 
 
-@pytest.mark.parametrize(
-    ("member", "auxiliary", "extra"), [(SeparatingLine(), 3, 1), (UnitNormalLine(), 2, 0)]
-)
+@pytest.mark.parametrize(("member", "auxiliary", "extra"), [(SeparatingLine(), 3, 1), (UnitNormalLine(), 2, 0)])
 def test_counts_with_different_polygons(member, auxiliary, extra):
     nlp = make(settings=Settings(formulation=member), steps=4).nlp
     assert nlp.n_variables == 5 * 5 + 2 * 4 + 1 + auxiliary * 2 * 4
@@ -139,9 +137,7 @@ def test_derivatives_match_central_differences(member):
         up, down = (jacobians(x + sign * step * d, nlp.p0) for sign in (1, -1))
         change = [np.array(u - v) / (2 * step) for u, v in zip(up, down, strict=True)]
         expected = change[0].ravel() + change[1].T @ lam
-        np.testing.assert_allclose(
-            np.array(hessian(x, nlp.p0)) @ d, expected, atol=2e-6 * (1 + np.abs(expected).max())
-        )
+        np.testing.assert_allclose(np.array(hessian(x, nlp.p0)) @ d, expected, atol=2e-6 * (1 + np.abs(expected).max()))
 
 
 def test_dynamics_rows_vanish_on_an_integrated_trajectory():
@@ -152,9 +148,7 @@ def test_dynamics_rows_vanish_on_an_integrated_trajectory():
     for control in inputs:
         states.append(finely_integrated(states[-1], control, final_time / steps))
     guess = Trajectory(np.linspace(0, final_time, steps + 1), np.array(states), inputs)
-    transcription = make(
-        scene(goal=states[-1]), Settings(formulation=UnitNormalLine()), steps=steps, guess=guess
-    )
+    transcription = make(scene(goal=states[-1]), Settings(formulation=UnitNormalLine()), steps=steps, guess=guess)
     nlp = transcription.nlp
     rows = rows_of(nlp, nlp.x0)
     for block in by_kind(nlp, "dynamics"):
@@ -162,11 +156,11 @@ def test_dynamics_rows_vanish_on_an_integrated_trajectory():
     np.testing.assert_allclose(transcription.trajectory(nlp.x0).states, guess.states, atol=1e-14)
 
 
-def finely_integrated(state, control, duration, count=2000):
+def finely_integrated(state, control, duration, count=2000, car=CAR):
     h = duration / count
     for _ in range(count):
-        k1 = np.array(CAR.dynamics(state, control, np))
-        k2 = np.array(CAR.dynamics(state + h * k1, control, np))
+        k1 = np.array(car.dynamics(state, control, np))
+        k2 = np.array(car.dynamics(state + h * k1, control, np))
         state = state + h / 2 * (k1 + k2)
     return state
 
@@ -393,9 +387,7 @@ def test_settings_without_sense_are_refused(arguments, path):
 
 
 def test_arguments_that_do_not_fit_are_refused():
-    with pytest.raises(
-        InputError, match=r"active: has shape \(4, 1, 1\), but this problem needs \(4, 1, 2\)"
-    ):
+    with pytest.raises(InputError, match=r"active: has shape \(4, 1, 1\), but this problem needs \(4, 1, 2\)"):
         make(active=np.ones((4, 1, 1), bool))
     with pytest.raises(InputError, match=r"objective.input_weights: needs 2 numbers"):
         make(settings=Settings(objective=Objective(1.0, (1.0,))))
@@ -403,3 +395,30 @@ def test_arguments_that_do_not_fit_are_refused():
         make(guess=Trajectory([0, 1], np.zeros((2, 3)), np.zeros((1, 2)), ("x", "y", "theta")))
     with pytest.raises(InputError, match="goal"):
         make(goal=np.zeros(3))
+
+
+@pytest.mark.parametrize(("poses", "substeps"), [(1, 4), (2, 4), (3, 4), (4, 4), (2, 3)])
+def test_poses_between_the_knots_are_integrated_as_finely_as_the_knots(poses, substeps):
+    """With at least the demanded substeps an interval, whatever their number has to do with the poses."""
+    car, settings = vehicle("tpcap"), Settings(formulation=SweptLine(), poses=poses, substeps=substeps)
+    nlp = make(settings=settings, steps=2, car=car).nlp
+    x = nlp.x0.copy()
+    before, control, h = np.array([0, 0, 0, 2.4, -0.7]), np.array([-0.9, 0.5]), 2.0
+    x[nlp.stages[0].state], x[nlp.stages[0].control], x[nlp.shared] = before, control, 2 * h
+    rows = rows_of(nlp, x)
+    phi, mu = x[nlp.stages[1].auxiliary][:2]
+    n = np.array([np.cos(phi), np.sin(phi)])
+    blocks = [block for block in by_kind(nlp, "separation", 1) if block.detail.endswith("part 0")][2:-1]
+    assert len(blocks) == poses - 1
+    cover = float(
+        rows[by_kind(nlp, "separation", 1)[0].rows].max() - (scene().obstacle_parts[0][1].vertices @ n - mu).max()
+    )
+    for index, block in enumerate(blocks, start=1):
+        pose = finely_integrated(before, control, h * index / poses, car=car)
+        V = transform(car.parts[0].polygon.vertices, pose[:3])
+        # the start is fixed, so its margin (none here) is the obstacle's half; the rest is the body's
+        body = V @ n - mu - rows[block.rows]
+        np.testing.assert_allclose(body, body.mean(), atol=1.5e-3)
+        assert cover == pytest.approx(0.0, abs=1e-12)
+    after = finely_integrated(before, control, h, car=car)
+    np.testing.assert_allclose(rows[nlp.stages[0].dynamics] + x[nlp.stages[1].state], after, atol=2e-3)
