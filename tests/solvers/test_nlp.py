@@ -72,6 +72,7 @@ def test_rows_outside_all_blocks_have_no_block():
         ({"ubg": np.zeros(2)}, r"nlp.ubg: has shape \(2,\), but g has 3 entries"),
         ({"p0": np.zeros(0)}, r"nlp.p0: has shape \(0,\), but p has 1 entries"),
         ({"lbx": np.array([0.0, 2.0]), "ubx": np.ones(2)}, r"nlp.lbx\[1\]: 2.0 must be at most ubx = 1.0"),
+        ({"lbx": np.full(2, np.inf)}, r"nlp.lbx\[0\]: inf .* leave room for a finite number"),
         ({"lbg": np.array([0.0, np.nan, 0.0])}, r"nlp.lbg\[1\]: nan must be at most ubg = 0.0"),
     ],
 )

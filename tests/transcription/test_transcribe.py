@@ -375,6 +375,7 @@ def test_swept_rows_ask_for_the_margin_and_the_cover_at_free_poses():
         ({"workspace_margin": -1.0}, "workspace_margin"),
         ({"final_time": 0.0}, "final_time"),
         ({"final_time": (5.0, 3.0)}, "final_time"),
+        ({"final_time": np.inf}, "final_time"),
         ({"final_time": (np.nan, 3.0)}, "final_time"),
         ({"heading_limit": -1.0}, "heading_limit"),
         ({"heading_limit": np.nan}, "heading_limit"),

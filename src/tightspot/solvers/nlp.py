@@ -110,8 +110,9 @@ class Nlp:
             raise InputError(problems)
         for lower, upper in (("lbx", "ubx"), ("lbg", "ubg")):
             low, high = getattr(self, lower), getattr(self, upper)
-            for i in np.flatnonzero(~(low <= high))[:10]:
-                problems.append(Problem(f"nlp.{lower}[{i}]", f"{low[i]} must be at most {upper} = {high[i]}"))
+            for i in np.flatnonzero(~((low <= high) & (low < np.inf) & (high > -np.inf)))[:10]:
+                sentence = f"{low[i]} must be at most {upper} = {high[i]} and leave room for a finite number"
+                problems.append(Problem(f"nlp.{lower}[{i}]", sentence))
         if problems:
             raise InputError(problems)
 

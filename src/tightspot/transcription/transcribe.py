@@ -67,8 +67,8 @@ class Settings:
         if not (np.isfinite(self.penalty_weight) and self.penalty_weight >= 0):
             problems.append(Problem("penalty_weight", f"{self.penalty_weight} must be finite and not negative"))
         low, high = self.final_time_bounds
-        if not 0 < low <= high:
-            problems.append(Problem("final_time", f"[{low}, {high}] s must be positive and in order"))
+        if not (0 < low <= high and np.isfinite(low)):
+            problems.append(Problem("final_time", f"[{low}, {high}] s must be positive, in order and begin finite"))
         if not self.heading_limit > 0:
             problems.append(Problem("heading_limit", f"{self.heading_limit} rad must be positive"))
         if problems:
