@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
+from tightspot.verification.certificate import rounded_down
+
 if TYPE_CHECKING:
     from tightspot.verification import Certificate, Plan
 
@@ -67,5 +69,4 @@ def plan_facts(plan: Plan) -> dict[str, Any]:
 def _clearance(certificate: Certificate) -> str:
     if math.isinf(certificate.clearance):
         return "nothing to touch"
-    proved = math.floor(certificate.clearance * 1e4) / 1e4  # a bound must not be promised larger than it is
-    return f"at least {proved:.4f} m at all times (demanded {certificate.margin:g} m)"
+    return f"at least {rounded_down(certificate.clearance)} m at all times (demanded {certificate.margin:g} m)"

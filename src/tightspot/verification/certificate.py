@@ -210,7 +210,9 @@ class Certificate:
         """Lines for people."""
         if self.certified:
             shown = (
-                "there is nothing to touch" if math.isinf(self.clearance) else f"clearance >= {self.clearance:.4f} m"
+                "there is nothing to touch"
+                if math.isinf(self.clearance)
+                else f"clearance >= {rounded_down(self.clearance)} m"
             )
             head = f"certified for all times: {shown} (demanded {self.margin:.4f} m)"
         else:
@@ -297,6 +299,11 @@ def package_version() -> str:
         return metadata.version("tightspot")
     except metadata.PackageNotFoundError:
         return "0+unknown"
+
+
+def rounded_down(length: float) -> str:
+    """A length (m) to 0.1 mm for sentences; a bound must not be promised larger than it is."""
+    return f"{math.floor(length * 1e4) / 1e4:.4f}"
 
 
 def _finite(value: float) -> float | None:

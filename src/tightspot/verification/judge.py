@@ -22,6 +22,7 @@ from tightspot.verification.certificate import (
     WorkspaceProof,
     digest,
     package_version,
+    rounded_down,
 )
 from tightspot.verification.checks import Limits, motion_checks
 from tightspot.verification.cover import Cover, cover
@@ -132,14 +133,14 @@ def _obstacle_check(clear: Cover, margin: float) -> Check:
     elif np.isinf(proved):
         sentence = "there are no obstacles"
     else:
-        sentence = f"clearance of obstacles is at least {proved:.4f} m at all times (demanded {margin:.4g} m)"
+        sentence = f"clearance of obstacles is at least {rounded_down(proved)} m at all times (demanded {margin:.4g} m)"
     return Check("obstacles", passed, proved, float(margin), sentence)
 
 
 def _workspace_check(inside: Cover) -> Check:
     passed = bool(inside.holds.all())
     if passed:
-        sentence = f"the body stays {max(0.0, inside.clearance):.4f} m inside the workspace at all times"
+        sentence = f"the body stays {rounded_down(max(0.0, inside.clearance))} m inside the workspace at all times"
     else:
         sentence = f"the body leaves the workspace by {-inside.seen.min():.4g} m"
     return Check("workspace", passed, inside.clearance, -WORKSPACE_SLACK, sentence)
