@@ -113,8 +113,9 @@ class SimplifiedModel(Guess):
         )
         active = np.full((self.steps, len(car.parts), len(scenario.obstacle_parts)), sees_obstacles)
         grid = TimeGrid.uniform(self.steps)
-        ends = {"start": start[:3], "goal": goal[:3]}
-        transcription = transcribe(scenario, reduced, line, settings, grid=grid, active=active, **ends)
+        transcription = transcribe(
+            scenario, reduced, line, settings, grid=grid, active=active, start=start[:3], goal=goal[:3]
+        )
         report = self.solver.solve(transcription.nlp)
         which = "with obstacles" if sees_obstacles else "without obstacles"
         if not report.status.success:
