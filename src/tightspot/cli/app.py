@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 import tightspot
+from tightspot.cli.bench import bench
 from tightspot.cli.failures import DONE, INTERRUPTED, failure_of
 from tightspot.cli.plan import plan_command
 from tightspot.cli.scenes import scenes_command
@@ -22,6 +23,7 @@ app.command("show")(show_command)
 app.command("scenes")(scenes_command)
 app.command("vehicles")(vehicles_command)
 app.command("schema")(schema_command)
+app.add_typer(bench)
 
 
 def _version(wanted: bool) -> None:

@@ -59,19 +59,27 @@ def write_plan(plan: Plan, directory: Path, *, picture: bool) -> dict[str, str]:
         Paths by kind: ``plan``, ``trajectory`` and, if drawn, ``picture``.
 
     Raises:
-        OSError: It cannot be written.
+        InputError: It cannot be written: not permitted, disk full.
     """
-    from tightspot.verification import save_plan, write_trajectory_csv
-
-    with _staged(directory) as stage:
-        save_plan(plan, stage / PLAN)
-        write_trajectory_csv(stage / TRAJECTORY, plan)
-        if picture:
-            from tightspot import plotting
-
-            plotting.show_plan(plan, stage / PICTURE)
+    try:
+        with _staged(directory) as stage:
+            _write(plan, stage, picture=picture)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(Problem(OPTION, f"{directory} cannot be written: {reason}")) from None
     files = {"plan": PLAN, "trajectory": TRAJECTORY} | ({"picture": PICTURE} if picture else {})
     return {kind: str(directory / name) for kind, name in files.items()}
+
+
+def _write(plan: Plan, directory: Path, *, picture: bool) -> None:
+    from tightspot.verification import save_plan, write_trajectory_csv
+
+    save_plan(plan, directory / PLAN)
+    write_trajectory_csv(directory / TRAJECTORY, plan)
+    if picture:
+        from tightspot import plotting
+
+        plotting.show_plan(plan, directory / PICTURE)
 
 
 @contextlib.contextmanager
