@@ -18,6 +18,7 @@ from tightspot.plotting.bodies import draw_body, swept_area
 from tightspot.plotting.failure_figure import figure_failure
 from tightspot.plotting.motion import Leg, drive_legs
 from tightspot.plotting.output import save, show_plan
+from tightspot.plotting.panels import Panel, figure_panels
 from tightspot.plotting.plan_figure import figure_plan
 from tightspot.plotting.profiles import draw_clearance, draw_profile
 from tightspot.plotting.scene import draw_path, draw_scene, draw_sweep
@@ -25,6 +26,7 @@ from tightspot.plotting.scene_figure import figure_scene
 
 __all__ = [
     "Leg",
+    "Panel",
     "draw_body",
     "draw_clearance",
     "draw_path",
@@ -33,6 +35,7 @@ __all__ = [
     "draw_sweep",
     "drive_legs",
     "figure_failure",
+    "figure_panels",
     "figure_plan",
     "figure_scene",
     "save",
