@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 
@@ -18,8 +20,24 @@ def test_the_ending_chooses_the_format(ending, start, cli, plan_file, tmp_path):
     picture = tmp_path / f"picture.{ending}"
     result = cli("show", plan_file, "-o", picture, "--json")
     assert result.code == 0
-    assert result.json == {"status": "drawn", "files": {"picture": str(picture)}}
+    assert result.json == {"status": "drawn", "upheld": True, "files": {"picture": str(picture)}}
     assert picture.read_bytes().startswith(start)
+
+
+def test_what_is_not_upheld_is_not_drawn_as_certified(cli, plan_file, monkeypatch):
+    from tightspot import plotting
+
+    plan = json.loads(plan_file.read_text())
+    for point in plan["scenario"]["obstacles"][0]["vertices"]:
+        point[1] += 0.3
+    plan_file.write_text(json.dumps(plan))
+    drawn = []
+    monkeypatch.setattr(plotting, "show_plan", lambda plan, path: drawn.append(plan))
+    result = cli("show", plan_file, "--json")
+    assert result.code == 0
+    assert result.json["upheld"] is False
+    assert "warning: the plan is not upheld" in result.err
+    assert drawn[0].certificate.certified is False
 
 
 @pytest.mark.slow
