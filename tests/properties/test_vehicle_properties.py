@@ -81,9 +81,7 @@ def test_bounds_do_not_depend_on_where_the_car_is_and_come_in_batches(interval):
     car, before, control, duration = interval
     after = before + np.r_[0, 0, 0, control] * duration
     moved = before + np.array([10.0, -20.0, 1.0, 0.0, 0.0])
-    (bounds,) = car.motion_bounds(
-        np.stack([before, moved]), np.stack([after, after]), np.stack([control] * 2)
-    )
+    (bounds,) = car.motion_bounds(np.stack([before, moved]), np.stack([after, after]), np.stack([control] * 2))
     for values in bounds:
         assert values.shape == (2,)
         assert values[0] == values[1]
@@ -143,9 +141,7 @@ def test_arbitrary_data_is_a_vehicle_or_a_vehicle_error(data):
 
 
 @settings(max_examples=200)
-@given(
-    st.sampled_from(["wheelbase", "body", "limits", "name", "model"]), values, st.sampled_from([None, *KEYS])
-)
+@given(st.sampled_from(["wheelbase", "body", "limits", "name", "model"]), values, st.sampled_from([None, *KEYS]))
 def test_a_good_file_with_one_odd_value_is_a_vehicle_or_a_vehicle_error(key, value, inner):
     data = vehicle("forklift").to_dict()
     if inner and isinstance(data[key], dict):

@@ -43,9 +43,7 @@ def test_numpy_and_casadi_agree_on_dynamics_and_frames():
     f = ca.Function("f", [xi, u], [ca.vertcat(*car.dynamics(ca.vertsplit(xi), ca.vertsplit(u), ca))])
     frame = ca.Function("frame", [xi], [ca.vertcat(*car.frames(ca.vertsplit(xi), ca)[0])])
     for state, control in zip(rng.uniform(-1, 1, (20, 5)), rng.uniform(-1, 1, (20, 2)), strict=True):
-        np.testing.assert_allclose(
-            np.array(f(state, control)).ravel(), car.dynamics(state, control, np), rtol=1e-15
-        )
+        np.testing.assert_allclose(np.array(f(state, control)).ravel(), car.dynamics(state, control, np), rtol=1e-15)
         np.testing.assert_array_equal(np.array(frame(state)).ravel(), car.frames(state, np)[0])
         np.testing.assert_array_equal(car.frames(state, np)[0], state[:3])
 
