@@ -28,8 +28,8 @@ def test_what_is_not_upheld_is_not_drawn_as_certified(cli, plan_file, monkeypatc
     from tightspot import plotting
 
     plan = json.loads(plan_file.read_text())
-    for point in plan["scenario"]["obstacles"][0]["vertices"]:
-        point[1] += 0.3
+    for point in plan["vehicle"]["body"][0]["vertices"]:
+        point[1] *= 1.5
     plan_file.write_text(json.dumps(plan))
     drawn = []
     monkeypatch.setattr(plotting, "show_plan", lambda plan, path: drawn.append(plan))
