@@ -130,7 +130,7 @@ class Formulation(ABC):
         """
 
     def penalty(self, auxiliary: Any) -> Any:
-        """What the pair adds to the objective, times a weight of the transcription's; 0 but for soft members.
+        """What the pair adds to the objective, integrated over time and weighted; 0 but for soft members.
 
         Args:
             auxiliary: The pair's auxiliary variables, a CasADi column of the declared length.

@@ -62,7 +62,7 @@ class DiscCover(Formulation):
     holds: ClassVar[Literal["knots", "interval"]] = "knots"
     is_exact: ClassVar[bool] = False
     expresses_margin: ClassVar[bool] = False
-    cell: float = 0.35
+    cell: float = 0.45
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.cell) and self.cell > 0):
@@ -75,25 +75,32 @@ class DiscCover(Formulation):
         discs = covering_discs(ConvexPolygon.from_vertices(pair.V0), self.cell)
         pose = pair.poses[0]
         c, s = ca.cos(pose.theta), ca.sin(pose.theta)
+        edges = _edge_ends(pair)
         values = []
         for (x, y), radius in zip(discs.centres, discs.radii, strict=True):
-            centre = ca.horzcat(x * c - y * s + pose.x, x * s + y * c + pose.y)
-            values.append(_signed_distance(centre, pair) - radius - pair.margins[0])
+            centre = ca.vertcat(x * c - y * s + pose.x, x * s + y * c + pose.y)
+            values.append(_signed_distance(centre, pair, edges) - radius - pair.margins[0])
         return [at_least(ca.vertcat(*values))]
 
     def start(self, poses: Array, body: ConvexPolygon, obstacle: ConvexPolygon) -> Array:
         return np.zeros((len(poses), 0))
 
 
-def _signed_distance(point: Any, pair: Pair) -> Any:
-    """Signed distance of a point (1, 2) from the obstacle, m."""
-    following = ca.vertcat(pair.O[1:, :], pair.O[0, :])
-    edges = following - pair.O
-    x, y = point[0] - pair.O[:, 0], point[1] - pair.O[:, 1]
-    squared_length = edges[:, 0] ** 2 + edges[:, 1] ** 2
-    along = ca.fmax(0, ca.fmin(1, (x * edges[:, 0] + y * edges[:, 1]) / squared_length))
-    squared = ca.mmin((x - along * edges[:, 0]) ** 2 + (y - along * edges[:, 1]) ** 2)
-    inside = ca.mmax(pair.A @ point.T - pair.b)
+def _edge_ends(pair: Pair) -> tuple[Any, Any, Any]:
+    """Unit direction of each obstacle edge, (n_O, 2), and its ends along it, (n_O, 1) each."""
+    along = ca.horzcat(-pair.A[:, 1], pair.A[:, 0])
+    before = ca.vertcat(pair.O[-1, :], pair.O[:-1, :])
+    return along, ca.sum2(along * before), ca.sum2(along * pair.O)
+
+
+def _signed_distance(point: Any, pair: Pair, edges: tuple[Any, Any, Any]) -> Any:
+    """Signed distance of a point (2, 1) from the obstacle, m: to the nearest edge outside, ``max(A q - b)`` inside."""
+    along, first, last = edges
+    beyond = pair.A @ point - pair.b
+    place = along @ point
+    past = ca.fmax(0, ca.fmax(first - place, place - last))
+    squared = ca.mmin(beyond**2 + past**2)
+    inside = ca.mmax(beyond)
     return ca.if_else(inside > 0, ca.sqrt(ca.fmax(squared, 1e-12)), inside)
 
 
@@ -101,7 +108,7 @@ def _signed_distance(point: Any, pair: Pair) -> Any:
 def covering_discs(body: ConvexPolygon, cell: float) -> Discs:
     """Small discs along the boundary, large ones within: the smallest round the pieces of a fine and a coarse grid.
 
-    Cells of the fine grid that lie deeper in the body than a cell's side need no small discs; what they cover is
+    Cells of the fine grid that lie deeper in the body than the cells are wide need no small discs; what they cover is
     covered again by the coarsest grid whose discs reach no further out than the small ones.
 
     Args:
@@ -113,7 +120,7 @@ def covering_discs(body: ConvexPolygon, cell: float) -> Discs:
     """
     shape = body.to_shapely()
     cells = _cells(body, cell)
-    core = shape.buffer(-max(np.hypot(*side) for side in (cells[0][1], cells[0][2])), join_style="mitre")
+    core = shape.buffer(-min(np.hypot(*side) for side in (cells[0][1], cells[0][2])), join_style="mitre")
     pieces = [_clipped(shape, *place) for place in cells]
     if core.area < 1e-6:
         return _round(body, pieces)

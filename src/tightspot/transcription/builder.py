@@ -225,7 +225,7 @@ class Builder:
         lower, upper = formulation.auxiliary_bounds(len(poly.vertices), len(polygon.vertices))
         start = formulation.start(self._guess_poses(k, part, guess), poly, polygon)[0]
         auxiliary, _ = self._variables(f"aux{k}_{part_index}_{obstacle_index}", lower, upper, start)
-        self.penalty += formulation.penalty(auxiliary)
+        self.penalty += self.final_time * float(self.grid.widths[k - 1]) * formulation.penalty(auxiliary)
         detail = f"{part.name} against obstacle part {obstacle_index}"
         for rows in formulation.rows(auxiliary, pair):
             self._rows(*rows, "separation", k, detail)

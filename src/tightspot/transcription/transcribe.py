@@ -39,7 +39,8 @@ class Settings:
         substeps: RK4 steps an interval.
         poses: Sub-intervals whose end poses carry rows, for formulations that hold on the interval.
         final_time: Bounds of the free final time, s, or one number to fix it.
-        penalty_weight: What a soft formulation's penalty is multiplied with, 1/m; exact members have none.
+        penalty_weight: What the time integral of a soft formulation's penalty is multiplied with, 1/(m s); others have
+            none.
         heading_limit: Bound of |theta|, rad; infinite but for reproducing the paper.
     """
 
