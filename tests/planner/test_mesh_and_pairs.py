@@ -8,7 +8,7 @@ import pytest
 from tightspot.formulations import SeparatingLine, SweptLine
 from tightspot.geometry import clearance
 from tightspot.planner.mesh import COVER, FEWEST, MOST, gear_changes, path_length, poses_for, steps_for
-from tightspot.planner.pairs import near_guess, replay_clearance, replay_outside, sampled_clearance
+from tightspot.planner.pairs import Room, by_interval, sampled_clearance
 from tightspot.scenarios import builtin
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid
@@ -69,24 +69,23 @@ def test_sampled_clearance_is_the_distance_of_every_pair() -> None:
 def test_pairs_are_near_where_the_guess_is_near() -> None:
     scene, car = builtin("vertical"), vehicle("paper")
     guess = Trajectory(np.array([0.0, 40.0]), np.array([scene.start, scene.goal]), np.zeros((1, 2)))
-    grid = TimeGrid.uniform(10)
-    everything = near_guess(guess, grid, scene, car, 100.0)
-    near = near_guess(guess, grid, scene, car, 0.5)
-    assert everything.shape == (10, 1, 2)
-    assert everything.all()
-    assert near[-1].all(), "in the slot both obstacles are near"
-    assert not near_guess(guess, grid, scene, car, -10.0).any()
-    assert (near <= near_guess(guess, grid, scene, car, 1.0)).all(), "a larger reach only adds pairs"
+    room = Room.of_guess(guess, TimeGrid.uniform(10), scene, car)
+    assert room.obstacles.shape == (10, 1, 2)
+    assert (room.obstacles[-1] < 0.2).all(), "in the slot both obstacles are near"
+    assert room.walls.shape == (10, 1, 4)
+    rear = room.walls[-1, 0][int(np.argmin(scene.workspace.A[:, 1]))]
+    assert rear == pytest.approx(8 - 6.7 - 0.929), "in the slot the rear is near the lower edge of W"
 
 
-def test_replayed_clearance_and_workspace_name_the_intervals() -> None:
+def test_replayed_room_names_the_intervals() -> None:
     scene, car = builtin("vertical"), vehicle("paper")
     motion = replay(car, drive([(1.0, 0.0), *[(0.0, 0.0)] * 11, (-1.0, 0.0)]))
-    clear = replay_clearance(motion, scene, car, 8)
-    assert clear.shape == (13, 1, 2)
-    finer = replay_clearance(motion, scene, car, 64)
-    assert (finer <= clear + 1e-12).all()
-    assert (clear - finer).max() < 0.05
-    outside = replay_outside(motion, scene, car, 8)
+    room = Room.of_replay(motion, scene, car)
+    assert room.obstacles.shape == (13, 1, 2)
+    times = np.linspace(0, 13, 13 * 64 + 1)
+    finer = by_interval(sampled_clearance(motion.at(times), scene, car), 64)
+    assert (finer <= room.obstacles + 1e-12).all()
+    assert (room.obstacles - finer).max() < 0.05
     nose = motion.knots[:, 0] + 3.699
+    outside = (room.walls < 0).any(axis=(1, 2))
     assert outside.tolist() == (nose[1:] > 15.0).tolist(), "straight ahead the nose leaves W at x = 15"

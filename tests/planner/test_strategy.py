@@ -32,7 +32,14 @@ def straight(asked: Request) -> Trajectory:
 
 
 def mesh(steps: int, formulation: object = None) -> Mesh:
-    return Mesh(formulation or SweptLine(), TimeGrid.uniform(steps), 2, EXTRA, np.zeros((steps, 1, 2), bool))  # type: ignore[arg-type]
+    return Mesh(
+        formulation or SweptLine(),
+        TimeGrid.uniform(steps),
+        2,
+        EXTRA,
+        np.zeros((steps, 1, 2), bool),
+        np.ones((steps, 1, 4), bool),
+    )  # type: ignore[arg-type]
 
 
 def test_a_rough_guess_is_first_made_free_at_the_knots() -> None:

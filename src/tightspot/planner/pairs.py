@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +18,8 @@ from tightspot.verification.replay import Replay
 
 Array = NDArray[np.float64]
 
-SAMPLES = 4
+GUESS_SAMPLES = 4
+REPLAY_SAMPLES = 12
 
 
 def sampled_clearance(states: Array, scenario: Scenario, vehicle: VehicleModel) -> Array:
@@ -31,45 +34,54 @@ def sampled_clearance(states: Array, scenario: Scenario, vehicle: VehicleModel) 
     return result
 
 
-def interval_clearance(states: Array, per_interval: int, scenario: Scenario, vehicle: VehicleModel) -> Array:
-    """Smallest sampled clearance on each interval, (N, parts, obstacle parts), both ends included.
+def sampled_room(states: Array, scenario: Scenario, vehicle: VehicleModel) -> Array:
+    """Distance of every part from every edge of W at the states (M, n_x), negative outside: (M, parts, edges)."""
+    frames = vehicle.frames(list(states.T), np)
+    workspace = scenario.workspace
+    room = np.empty((len(states), len(vehicle.parts), len(workspace.b)))
+    for i, part in enumerate(vehicle.parts):
+        body = transform(part.polygon.vertices, np.column_stack(frames[part.frame]))
+        room[:, i] = (workspace.b - body @ workspace.A.T).min(axis=1)
+    return room
 
-    Args:
-        states: ``N * per_interval + 1`` states in time order.
-        per_interval: Samples an interval.
-        scenario: Obstacles.
-        vehicle: Body.
-    """
-    samples = sampled_clearance(states, scenario, vehicle)
-    intervals = (len(states) - 1) // per_interval
+
+def by_interval(samples: Array, per_interval: int) -> Array:
+    """Smallest value on each interval, both ends included, of ``N * per_interval + 1`` samples: (N, ...)."""
+    intervals = (len(samples) - 1) // per_interval
     inner = samples[:-1].reshape(intervals, per_interval, *samples.shape[1:]).min(axis=1)
     return np.asarray(np.minimum(inner, samples[per_interval::per_interval]))
 
 
-def near_guess(
-    guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel, reach: float
-) -> NDArray[np.bool_]:
-    """Pairs that the interpolated guess brings within ``reach`` m, (N, parts, obstacle parts)."""
-    states = states_at(guess, guess.duration * _subdivided(grid.fractions, SAMPLES))
-    return np.asarray(interval_clearance(states, SAMPLES, scenario, vehicle) < reach)
+@dataclass(frozen=True, eq=False)
+class Room:
+    """How near a motion comes to everything, by interval.
 
+    Attributes:
+        obstacles: Smallest sampled clearance, (N, parts, obstacle parts), m.
+        walls: Smallest sampled distance inside W's edges, (N, parts, edges), m.
+    """
 
-def replay_clearance(replay: Replay, scenario: Scenario, vehicle: VehicleModel, per_interval: int) -> Array:
-    """Smallest clearance of the replayed motion on each interval, (N, parts, obstacle parts)."""
-    times = _subdivided(replay.trajectory.t, per_interval)
-    return interval_clearance(replay.at(times), per_interval, scenario, vehicle)
+    obstacles: Array
+    walls: Array
 
+    @classmethod
+    def of_guess(cls, guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel) -> Room:
+        """Of the interpolated guess on the grid's intervals."""
+        states = states_at(guess, guess.t[0] + guess.duration * _subdivided(grid.fractions, GUESS_SAMPLES))
+        return cls._of(states, GUESS_SAMPLES, scenario, vehicle)
 
-def replay_outside(replay: Replay, scenario: Scenario, vehicle: VehicleModel, per_interval: int) -> NDArray[np.bool_]:
-    """Intervals on which the replayed body leaves W, (N,)."""
-    states = replay.at(_subdivided(replay.trajectory.t, per_interval))
-    frames = vehicle.frames(list(states.T), np)
-    outside = np.zeros(len(states), bool)
-    for part in vehicle.parts:
-        body = transform(part.polygon.vertices, np.column_stack(frames[part.frame]))
-        outside |= (body @ scenario.workspace.A.T > scenario.workspace.b).any(axis=(1, 2))
-    inner = outside[:-1].reshape(-1, per_interval).any(axis=1)
-    return np.asarray(inner | outside[per_interval::per_interval])
+    @classmethod
+    def of_replay(cls, replay: Replay, scenario: Scenario, vehicle: VehicleModel) -> Room:
+        """Of the replayed motion on its own intervals."""
+        times = _subdivided(replay.trajectory.t, REPLAY_SAMPLES)
+        return cls._of(replay.at(times), REPLAY_SAMPLES, scenario, vehicle)
+
+    @classmethod
+    def _of(cls, states: Array, per_interval: int, scenario: Scenario, vehicle: VehicleModel) -> Room:
+        return cls(
+            by_interval(sampled_clearance(states, scenario, vehicle), per_interval),
+            by_interval(sampled_room(states, scenario, vehicle), per_interval),
+        )
 
 
 def _subdivided(knots: Array, parts: int) -> Array:

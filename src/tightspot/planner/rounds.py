@@ -31,6 +31,7 @@ class Mesh:
         poses: Sub-intervals of an interval with rows (members that hold on the interval).
         extra: Clearance demanded beyond the margin, m, so that the judge has room to prove the margin.
         active: Pairs in the problem, (N, parts, obstacle parts).
+        walls: Edges of W in the problem, (N, parts, edges).
     """
 
     formulation: Formulation
@@ -38,6 +39,7 @@ class Mesh:
     poses: int
     extra: float
     active: NDArray[np.bool_]
+    walls: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +92,13 @@ def run_round(
     pairs = int(mesh.active.sum())
     progress(Progress("solve", f"{mesh.grid.steps} intervals, {pairs} pairs of parts near each other", number))
     transcription = transcribe(
-        request.scenario, request.vehicle, guess, _settings(request, mesh), grid=mesh.grid, active=mesh.active
+        request.scenario,
+        request.vehicle,
+        guess,
+        _settings(request, mesh),
+        grid=mesh.grid,
+        active=mesh.active,
+        walls=mesh.walls,
     )
 
     def watch(iteration: Iteration) -> None:

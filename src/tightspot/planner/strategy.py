@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tightspot.formulations import Formulation, SeparatingLine
 from tightspot.planner.mesh import poses_for, steps_for
-from tightspot.planner.pairs import near_guess, replay_clearance, replay_outside
+from tightspot.planner.pairs import Room
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Mesh, Round
 from tightspot.trajectory import Trajectory
@@ -18,11 +18,12 @@ from tightspot.transcription import TimeGrid
 from tightspot.verification import Certificate
 from tightspot.verification.replay import Replay
 
-REACH = 3.0
+REACH = 2.0
+WALL_REACH = 4.0
+FEW_PAIRS = 100
 EXTRA = 0.002
 LARGEST_EXTRA = 0.1
 MOST_STEPS = 240
-SAMPLES = 12
 FAILED_SOLVES = 3
 ABOUT_CLEARANCE = ("obstacles", "workspace")
 
@@ -64,17 +65,20 @@ def at_knots(formulation: Formulation) -> Formulation:
 
 def _mesh(request: Request, formulation: Formulation, guess: Trajectory, steps: int) -> Mesh:
     grid = TimeGrid.uniform(steps)
-    active = near_guess(guess, grid, request.scenario, request.vehicle, REACH)
-    return Mesh(formulation, grid, poses_for(formulation, guess, request.vehicle, steps), EXTRA, active)
+    room = Room.of_guess(guess, grid, request.scenario, request.vehicle)
+    poses = poses_for(formulation, guess, request.vehicle, steps)
+    active = room.obstacles < (REACH if room.obstacles.size > FEW_PAIRS else np.inf)
+    return Mesh(formulation, grid, poses, EXTRA, active, room.walls < WALL_REACH)
 
 
 def _whole_intervals(request: Request, last: Round, start: Trajectory) -> Step:
     """From a solution that is free at the knots to the demanded member, which holds in between, too."""
     mesh = last.mesh
-    active = mesh.active | near_guess(start, mesh.grid, request.scenario, request.vehicle, REACH)
+    room = Room.of_guess(start, mesh.grid, request.scenario, request.vehicle)
+    active, walls = mesh.active | (room.obstacles < REACH), mesh.walls | (room.walls < WALL_REACH)
     poses = poses_for(request.formulation, start, request.vehicle, mesh.grid.steps)
     return Step(
-        replace(mesh, formulation=request.formulation, poses=poses, active=active),
+        replace(mesh, formulation=request.formulation, poses=poses, active=active, walls=walls),
         start,
         f"free at the knots; now between them, too, by {request.formulation.name}",
     )
@@ -86,12 +90,11 @@ def _after_failure(request: Request, rounds: Sequence[Round], guess: Trajectory)
     solved = [outcome for outcome in rounds if outcome.solved]
     if solved:
         mesh = solved[-1].mesh
-        finer = mesh.grid.split(np.arange(mesh.grid.steps))
-        active = np.repeat(mesh.active, 2, axis=0)
+        finer = _split(mesh, np.ones(mesh.grid.steps, bool))
         return Step(
-            replace(mesh, formulation=request.formulation, grid=finer, active=active, extra=EXTRA, poses=last.poses),
+            replace(finer, formulation=request.formulation, extra=EXTRA, poses=last.poses),
             solved[-1].trajectory,
-            f"the solver failed; {finer.steps} intervals from the last solution",
+            f"the solver failed; {finer.grid.steps} intervals from the last solution",
         )
     if last.formulation.holds == "interval":
         mesh = replace(last, formulation=at_knots(last.formulation), poses=1)
@@ -107,20 +110,33 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
     Pairs that the motion comes near to and that were not in the problem are added. If the judge objects to something
     else than clearance (the integration's defect on a coarse mesh), every interval is split.
     """
-    clear = replay_clearance(motion, request.scenario, request.vehicle, SAMPLES)
-    near = mesh.active | (clear < REACH)
-    short = (clear < request.margin + mesh.extra / 2).any(axis=(1, 2))
-    short |= replay_outside(motion, request.scenario, request.vehicle, SAMPLES)
+    room = Room.of_replay(motion, request.scenario, request.vehicle)
+    clear = room.obstacles
+    too_near = (clear < request.margin + mesh.extra / 2).any(axis=(1, 2)) | (room.walls < 0).any(axis=(1, 2))
+    short = np.asarray(too_near, bool)
     if any(check.name not in ABOUT_CLEARANCE for check in certificate.failed):
         short[:] = True
-    grid, extra = mesh.grid, mesh.extra
-    if grid.steps + int(short.sum()) <= MOST_STEPS:
-        grid = grid.split(np.flatnonzero(short))
-        near = np.repeat(near, np.where(short, 2, 1), axis=0)
-    if number > 2 or grid.steps == mesh.grid.steps:
-        deficit = request.margin - float(clear.min(initial=np.inf))
-        extra = float(min(extra + np.clip(deficit / 2, 0.002, 0.02), LARGEST_EXTRA))
-    return replace(mesh, grid=grid, extra=extra, active=_with_neighbours(near))
+    near = replace(
+        mesh,
+        active=_with_neighbours(mesh.active | (clear < REACH)),
+        walls=_with_neighbours(mesh.walls | (room.walls < WALL_REACH)),
+    )
+    finer = _split(near, short) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
+    if number <= 2 and finer.grid.steps > mesh.grid.steps:
+        return finer
+    deficit = request.margin - float(clear.min(initial=np.inf))
+    return replace(finer, extra=float(min(mesh.extra + np.clip(deficit / 2, 0.002, 0.02), LARGEST_EXTRA)))
+
+
+def _split(mesh: Mesh, chosen: NDArray[np.bool_]) -> Mesh:
+    """The mesh with the chosen intervals (N,) halved; what is in the problem there stays in it on both halves."""
+    repeats = np.where(chosen, 2, 1)
+    return replace(
+        mesh,
+        grid=mesh.grid.split(np.flatnonzero(chosen)),
+        active=np.repeat(mesh.active, repeats, axis=0),
+        walls=np.repeat(mesh.walls, repeats, axis=0),
+    )
 
 
 def _with_neighbours(active: NDArray[np.bool_]) -> NDArray[np.bool_]:

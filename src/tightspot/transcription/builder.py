@@ -34,9 +34,10 @@ class Builder:
         settings: Settings,
         grid: TimeGrid,
         active: NDArray[np.bool_],
+        walls: NDArray[np.bool_],
     ) -> None:
         self.vehicle, self.workspace, self.obstacles = vehicle, workspace, obstacles
-        self.settings, self.grid, self.active = settings, grid, active
+        self.settings, self.grid, self.active, self.walls = settings, grid, active, walls
         self.x: list[Any] = []
         self.lbx: list[Array] = []
         self.ubx: list[Array] = []
@@ -172,8 +173,8 @@ class Builder:
             fixed[0] = fixed_poses[0] and k == 1 and len(samples) > 1
             fixed[-1] = fixed_poses[1] and k == self.grid.steps
             covers = [self._cover(k, part, states, inputs) for part in self.vehicle.parts]
-            for part_index, part in enumerate(self.vehicle.parts):
-                self._workspace_rows(k, part, samples, fixed, covers[part_index])
+            for part_index in range(len(self.vehicle.parts)):
+                self._workspace_rows(k, part_index, samples, fixed, covers[part_index])
                 for obstacle_index in np.flatnonzero(self.active[k - 1, part_index]):
                     self._separation_rows(k, part_index, int(obstacle_index), samples, fixed, covers[part_index], guess)
         return slice(first, self.n)
@@ -194,9 +195,12 @@ class Builder:
         bound = self.vehicle.acceleration_bound(part.frame, part.polygon.radius, middle, control, step / 2, ca)
         return bound * (step / self.intervals) ** 2 / 8
 
-    def _workspace_rows(self, k: int, part: BodyPart, samples: list[Any], fixed: list[bool], cover: Any) -> None:
-        """Eq. (13): every vertex of the part satisfies E q <= f."""
-        E, f = ca.DM(self.workspace.A), ca.DM(self.workspace.b)
+    def _workspace_rows(self, k: int, part_index: int, samples: list[Any], fixed: list[bool], cover: Any) -> None:
+        """Eq. (13): every vertex of the part satisfies E q <= f, for the half-planes that are in the program."""
+        part, walls = self.vehicle.parts[part_index], self.walls[k - 1, part_index]
+        if not walls.any():
+            return
+        E, f = ca.DM(self.workspace.A[walls]), ca.DM(self.workspace.b[walls])
         demanded = self.workspace_margin + cover
         first = 0 if len(samples) == 1 else 1
         for pose, state_fixed in list(zip(self._poses(part, samples), fixed, strict=True))[first:]:

@@ -122,6 +122,7 @@ def transcribe(
     *,
     grid: TimeGrid,
     active: NDArray[np.bool_] | None = None,
+    walls: NDArray[np.bool_] | None = None,
     start: Array | None = None,
     goal: Array | None = None,
 ) -> Transcription:
@@ -139,6 +140,7 @@ def transcribe(
         settings: Discretisation, objective, formulation, margins.
         grid: Knots.
         active: Pairs to include, (N, parts, obstacle parts); all if ``None``.
+        walls: Half-planes of W to include, (N, parts, edges of W); all if ``None``.
         start: Replaces the scenario's start state, (n_x,), NaN meaning free: for models with another state.
         goal: Replaces the scenario's goal state.
 
@@ -148,21 +150,26 @@ def transcribe(
     Reference: paper, section 6, eq. (22).
     """
     obstacles = [polygon for _, polygon in scenario.obstacle_parts]
-    shape = (grid.steps, len(vehicle.parts), len(obstacles))
-    if active is None:
-        active = np.ones(shape, bool)
+    shapes = {
+        name: (grid.steps, len(vehicle.parts), count)
+        for name, count in (("active", len(obstacles)), ("walls", len(scenario.workspace.b)))
+    }
+    active = np.ones(shapes["active"], bool) if active is None else active
+    walls = np.ones(shapes["walls"], bool) if walls is None else walls
+    masks = {"active": (active, shapes["active"]), "walls": (walls, shapes["walls"])}
     start = np.array(scenario.start if start is None else start, float)
     goal = np.array(scenario.goal if goal is None else goal, float)
     problems = _misfits(vehicle, guess, settings, {"start": start, "goal": goal})
-    if active.shape != shape:
-        problems.append(Problem("active", f"has shape {active.shape}, but this problem needs {shape}"))
+    for name, (mask, shape) in masks.items():
+        if mask.shape != shape:
+            problems.append(Problem(name, f"has shape {mask.shape}, but this problem needs {shape}"))
     if problems:
         raise InputError(problems)
     onto_grid = resample(guess, grid)
     goal[2] = nearest_angle(goal[2], onto_grid.states[-1, 2])
     start[2] = nearest_angle(start[2], onto_grid.states[0, 2])
     settings = _with_usable_margins(settings)
-    builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active)
+    builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active, walls)
     nlp = builder.build(start, goal, onto_grid)
     return Transcription(nlp, grid, settings, active, vehicle)
 
