@@ -67,8 +67,9 @@ def _mesh(request: Request, formulation: Formulation, guess: Trajectory, steps: 
     grid = TimeGrid.uniform(steps)
     room = Room.of_guess(guess, grid, request.scenario, request.vehicle)
     poses = poses_for(formulation, guess, request.vehicle, steps)
-    active = room.obstacles < (REACH if room.obstacles.size > FEW_PAIRS else np.inf)
-    return Mesh(formulation, grid, poses, EXTRA, active, room.walls < WALL_REACH)
+    small = room.obstacles.size <= FEW_PAIRS
+    active, walls = room.obstacles < (np.inf if small else REACH), room.walls < (np.inf if small else WALL_REACH)
+    return Mesh(formulation, grid, poses, EXTRA, active, walls)
 
 
 def _whole_intervals(request: Request, last: Round, start: Trajectory) -> Step:
