@@ -132,15 +132,18 @@ def run(plan: Plan, directory: Path, *, progress: Callable[[News], None] | None 
     tell = progress or (lambda news: None)
     for index, case in enumerate(todo):
         done = len(cases) - len(todo) + index
-        left = (time.perf_counter() - started) / index * (len(todo) - index) if index else None
-        tell(News(done, len(cases), left, case))
+        tell(News(done, len(cases), _seconds_left(started, index, len(todo)), case))
         row = bench.row(case) if not case.guess.startswith("start ") else _from_random_start(bench, case)
         store.append(row)
         store.write_csv(directory / TABLE)
-        tell(News(done + 1, len(cases), left, case, row))
+        tell(News(done + 1, len(cases), _seconds_left(started, index + 1, len(todo)), case, row))
     store.write_csv(directory / TABLE)
     rows = [store.rows[case.key] for case in cases]
     return Outcome(plan, settings, rows, time.perf_counter() - started)
+
+
+def _seconds_left(started: float, done: int, total: int) -> float | None:
+    return (time.perf_counter() - started) / done * (total - done) if done else None
 
 
 def _from_random_start(bench: Bench, case: Case) -> Row:
