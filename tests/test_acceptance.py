@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import math
-import statistics
 from pathlib import Path
 
 import pytest
-from benchmarks.plan_scenes import search_time
 from benchmarks.replay import replay_file
 from benchmarks.run import run_tightspot
 from benchmarks.scenes import CASES, PROMISED_MARGIN, TPCAP, builtin_scenes
 
 from tightspot import scenarios
+from tightspot.guesses import HybridAStar
 
 pytestmark = pytest.mark.slow
 
-LONGEST = 30.0
 MEMORY = 1000.0
-SEARCH = 100.0
 
 
 def plan_and_replay(scene: str | Path, promised: float, directory: Path) -> None:
-    """The scene is planned in time and memory, certified, and the replay sees nothing wrong."""
+    """The scene is planned within the memory, certified, and the replay sees nothing wrong. Times: `make bench`."""
     run = run_tightspot(["plan", str(scene), "--output", str(directory), "--no-picture", "--quiet"])
     assert run.code == 0, run.errors
     certificate = run.answer["certificate"]
@@ -31,7 +27,6 @@ def plan_and_replay(scene: str | Path, promised: float, directory: Path) -> None
     seen = replay_file(directory / "plan.json")
     assert seen.problems(margin=max(promised, certificate["clearance"])) == []
     assert seen.frames >= 1000 * run.answer["duration"]
-    assert run.seconds < LONGEST
     assert run.megabytes < MEMORY
 
 
@@ -48,7 +43,10 @@ def test_competition_scenes(case, tmp_path):
     plan_and_replay(path, PROMISED_MARGIN["tpcap"], tmp_path / "plan")
 
 
-def test_hybrid_astar_is_quick_on_the_builtin_scenes():
-    times = [search_time(scenarios.builtin(name)) for name in builtin_scenes()]
-    assert all(math.isfinite(time) for time in times)
-    assert statistics.median(times) < SEARCH
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_hybrid_astar_looks_at_few_poses(name):
+    """Its times are measured by `make bench`; what costs the time is counted here."""
+    scene = scenarios.builtin(name)
+    found = HybridAStar().make(scene, scene.vehicle_model(), margin=scene.margin)
+    assert found.trajectory is not None
+    assert found.report["expansions"] < 20_000
