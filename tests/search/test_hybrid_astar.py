@@ -158,7 +158,6 @@ def test_limits_are_reported():
     assert {attempt.expansions for attempt in few.attempts} == {20}
     short = search(*gate(2.0), HybridAStarOptions(time_limit=1e-4))
     assert short.status is SearchStatus.TIME_LIMIT
-    assert short.seconds < 1.0
 
 
 def l_shaped() -> SingleTrack:
