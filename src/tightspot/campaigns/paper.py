@@ -133,7 +133,7 @@ def run(plan: Plan, directory: Path, *, progress: Callable[[News], None] | None 
     for index, case in enumerate(todo):
         done = len(cases) - len(todo) + index
         tell(News(done, len(cases), _seconds_left(started, index, len(todo)), case))
-        row = bench.row(case) if not case.guess.startswith("start ") else _from_random_start(bench, case)
+        row = solve_case(bench, case)
         store.append(row)
         store.write_csv(directory / TABLE)
         tell(News(done + 1, len(cases), _seconds_left(started, index + 1, len(todo)), case, row))
@@ -146,11 +146,13 @@ def _seconds_left(started: float, done: int, total: int) -> float | None:
     return (time.perf_counter() - started) / done * (total - done) if done else None
 
 
-def _from_random_start(bench: Bench, case: Case) -> Row:
+def solve_case(bench: Bench, case: Case) -> Row:
+    """A case from one of the paper's guesses, or from the random start of that number, which is solved once."""
+    if not case.guess.startswith("start "):
+        return bench.row(case)
     number = int(case.guess.removeprefix("start "))
     base = bench.guess(case.scene, START_BASES[number % len(START_BASES)])
     if base.trajectory is None:
         return Row(case.key, case.scene, case.method, case.guess, "NO_GUESS", verdict=base.reason)
-    start = random_start(base.trajectory, bench.settings.steps, number)
     once = Bench(bench.settings, runs=1, time_limit=bench.time_limit)
-    return once.solve(case, start)
+    return once.solve(case, random_start(base.trajectory, bench.settings.steps, number))
