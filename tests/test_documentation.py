@@ -56,7 +56,10 @@ def test_command_lines_use_commands_and_options_that_exist(page):
     for line in "\n".join(blocks(page, "sh")).splitlines():
         words = shlex.split(line, comments=True)
         if words[:1] == ["tightspot"]:
-            options = {name for option in commands[words[1]].params for name in option.opts}
+            command = commands[words[1]]
+            if hasattr(command, "commands"):
+                command = command.commands[words[2]]
+            options = {name for option in command.params for name in option.opts}
             assert {word for word in words if word.startswith("-")} <= options
 
 

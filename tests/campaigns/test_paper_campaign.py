@@ -106,7 +106,7 @@ def test_the_report_says_machine_settings_evidence_and_every_row(finished):
 
 def test_a_campaign_of_other_settings_needs_another_directory(finished):
     _, _, directory, _ = finished
-    with pytest.raises(InputError, match="other settings, runs"):
+    with pytest.raises(InputError, match="other settings, runs, vehicle, objective"):
         run(Plan(settings="printed", scenes=("oblique",), methods=("17",), guesses=("simplified",), runs=1), directory)
 
 

@@ -84,7 +84,9 @@ class Plan:
 
     def fixed(self) -> dict[str, Any]:
         """What must not change when a campaign is resumed."""
-        return {"settings": self.settings, "runs": self.runs, "time_limit": self.time_limit}
+        meant = paper_settings(self.settings)
+        values = {"vehicle": meant.vehicle, "objective": str(meant.objective), "guess_weights": meant.guess_weights}
+        return {"settings": self.settings, "runs": self.runs, "time_limit": self.time_limit, **values}
 
 
 @dataclass(frozen=True)

@@ -106,8 +106,9 @@ class RowFile:
             self.rows = {row.key: row for row in (Row(**line) for line in lines)}
         except (ValueError, TypeError, KeyError):
             raise InputError(Problem("--output", f"{self.path} is not a file of this campaign; move it away")) from None
-        if found != json.loads(json.dumps(settings)):
-            different = ", ".join(key for key in settings if found.get(key) != settings[key]) or "settings"
+        wanted = json.loads(json.dumps(settings))
+        if found != wanted:
+            different = ", ".join(key for key in wanted if found.get(key) != wanted[key]) or "settings"
             sentence = f"{self.path} was made with other {different}; choose another directory or remove it"
             raise InputError(Problem("--output", sentence))
         if whole != data:

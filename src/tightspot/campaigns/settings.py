@@ -125,7 +125,7 @@ _PRINTED = {
     "gap": "Not printed. 2 mm.",
     "vertical, right obstacle": "As in the recovered settings.",
     "parallel, front obstacle": "12 <= x <= 20: the printed -12 with its sign mended.",
-    "guess weights": "Not printed. p = 1, r = 1.",
+    "guess weights": "Not printed. p = 10, r = 1, as in the recovered settings.",
     "k_f": "20.",
 }
 
@@ -137,7 +137,7 @@ def paper_settings(which: Literal["recovered", "printed"] | str = "recovered") -
         InputError: For any other name.
     """
     common: dict[str, Any] = {"steps": 20, "gap": 2e-3, "heading_limit": np.pi, "final_time": (0.1, 1000.0)}
-    common["guess_weights"] = (1.0, 1.0)
+    common["guess_weights"] = (10.0, 1.0)
     if which == "recovered":
         # The objective's integral has the intervals' fractions 1/20 as weights, the recovered sum has not.
         weights = (5.255 * 20, 2 * 5.255 * 20)
