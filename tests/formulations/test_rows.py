@@ -64,6 +64,7 @@ def build(evaluator, member, body, obstacle, n_poses=1):
 
 
 @pytest.mark.parametrize("member", ATTAINING, ids=label)
+@settings(max_examples=30)
 @given(body=polygons(), obstacle=polygons(spread=6), pose=poses)
 def test_the_closed_form_start_is_feasible_with_the_clearance_as_margin(evaluator, member, body, obstacle, pose):
     gap = float(clearance(transform(body.vertices, pose), obstacle.vertices))
@@ -78,6 +79,7 @@ def test_the_closed_form_start_is_feasible_with_the_clearance_as_margin(evaluato
 
 
 @pytest.mark.parametrize("member", [FarkasDual(), SharedVertexExclusion(), VertexExclusion()], ids=label)
+@settings(max_examples=30)
 @given(body=polygons(), obstacle=polygons(spread=6), pose=poses)
 def test_without_a_scale_the_start_is_feasible_with_half_the_clearance(evaluator, member, body, obstacle, pose):
     gap = float(clearance(transform(body.vertices, pose), obstacle.vertices))
