@@ -39,6 +39,8 @@ def test_every_value_has_its_evidence_and_nothing_can_be_changed(name):
     settings = paper_settings(name)
     for value in ("objective", "wheelbase", "rear overhang", "substeps", "gap", "units", "guess weights", "k_f"):
         assert len(settings.evidence[value]) > 2
+    p, r = settings.guess_weights
+    assert f"p = {p:g}, r = {r:g}" in settings.evidence["guess weights"]
     with pytest.raises(dataclasses.FrozenInstanceError):
         settings.gap = 0.0
     with pytest.raises(TypeError):

@@ -17,7 +17,7 @@ from tightspot.campaigns.rows import Row
 from tightspot.campaigns.settings import GUESS_NAMES
 from tightspot.campaigns.table import SIZES, TABLE_V
 
-_WORD = {True: "holds", False: "does not hold", None: "not told"}
+_WORD = {True: "holds", False: "does not hold", None: "-"}
 
 
 @dataclass(frozen=True)
