@@ -6,6 +6,8 @@ from tightspot.campaigns import claims
 from tightspot.campaigns.claims import reached, time_ratio
 from tightspot.campaigns.table import SIZES
 
+GUESSES = ("simplified", "hybrid-astar")
+
 
 def claim(rows, beginning):
     return next(found for found in claims(rows) if found.paper.startswith(beginning))
@@ -75,3 +77,11 @@ def test_known_optima_need_objective_and_time(make_row):
     found = {known.printed: rows for known, rows in reached([right, late, other]) if known.scene == "parallel"}
     assert found[1.221] == [right]
     assert found[1.344] == []
+
+
+@pytest.mark.parametrize(
+    ("values", "holds"), [([0.856, 0.8561], True), ([0.856, 0.87], False), ([22.75, 22.75], False)]
+)
+def test_the_oblique_optimum_is_one_and_the_paper_s(make_row, values, holds):
+    rows = [make_row("oblique", guess=guess, objective=J) for guess, J in zip(GUESSES, values, strict=True)]
+    assert claim(rows, "oblique: every formulation").holds is holds

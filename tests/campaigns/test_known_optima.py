@@ -9,7 +9,7 @@ from tightspot.campaigns import paper_settings
 from tightspot.campaigns.claims import SAME
 from tightspot.campaigns.paper import solve_case
 from tightspot.campaigns.solve import Bench, Case
-from tightspot.campaigns.table import BETTER, KNOWN
+from tightspot.campaigns.table import BETTER, KNOWN, PRINTED_FORM
 
 LEADS_TO = {
     ("oblique", 0.8561): ("17", "hybrid-astar"),
@@ -54,3 +54,14 @@ def test_the_optimum_is_reached_within_two_thousandths(known):
     assert row.final_time == pytest.approx(known.final_time, rel=SAME)
     if known.effort:
         assert row.effort == pytest.approx(known.effort, rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("known", PRINTED_FORM, ids=lambda known: known.scene)
+def test_the_printed_settings_give_other_optima_than_the_paper_s(known):
+    bench = Bench(paper_settings("printed"), runs=1, time_limit=30.0)
+    row = solve_case(bench, Case(known.scene, "17", "hybrid-astar"))
+    assert row.status == "SOLVED"
+    assert row.objective == pytest.approx(known.objective, rel=SAME)
+    assert row.final_time == pytest.approx(known.final_time, rel=SAME)
+    assert row.objective > 10 * row.paper_objective

@@ -63,7 +63,7 @@ def report_markdown(outcome: Outcome, machine: Machine, pictures: Mapping[str, s
         "",
         *_claims(outcome),
         "",
-        *_optima(outcome.rows),
+        *_optima(outcome),
         "",
         *_sizes(outcome.rows),
     ]
@@ -105,10 +105,10 @@ def _claims(outcome: Outcome) -> list[str]:
     return ["## What holds of the paper's claims", "", intro, "", *_table(("the paper", "these rows", ""), rows)]
 
 
-def _optima(rows: Sequence[Row]) -> list[str]:
+def _optima(outcome: Outcome) -> list[str]:
     lines = []
-    for known, found in reached(rows):
-        printed = "better than the paper's" if known.printed is None else f"{known.printed:g}"
+    for known, found in reached(outcome.rows, outcome.settings.name):
+        printed = "not in the paper" if known.printed is None else f"{known.printed:g}"
         who = ", ".join(f"{row.method} from {row.guess}" for row in found[:4]) + (" ..." if len(found) > 4 else "")
         lines.append((known.scene, printed, f"{known.objective:g} / {known.final_time:g}", who or "not reached"))
     header = ("scene", "paper's J", "J / t_f s as reproduced", "reached within 0.2 % by")
