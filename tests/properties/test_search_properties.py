@@ -48,12 +48,8 @@ def test_paths_through_random_crowds_keep_their_margin(crowd, goal):
     obstacles = []
     for x, y, size, turn, corners in crowd:
         around = turn + 2 * np.pi * np.arange(corners) / corners
-        obstacles.append(
-            ConvexPolygon.from_vertices(np.c_[x + size * np.cos(around), y + size * np.sin(around)])
-        )
-    result = search(
-        workspace, obstacles, car, (0, 0, 0), goal, HybridAStarOptions(margins=(0.05,), time_limit=2)
-    )
+        obstacles.append(ConvexPolygon.from_vertices(np.c_[x + size * np.cos(around), y + size * np.sin(around)]))
+    result = search(workspace, obstacles, car, (0, 0, 0), goal, HybridAStarOptions(margins=(0.05,), time_limit=2))
     if result.path is None:
         assert result.status is not SearchStatus.FOUND
         return

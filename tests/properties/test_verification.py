@@ -54,11 +54,7 @@ def scenes(draw, trajectory):
     obstacles = []
     for index in range(draw(st.integers(0, 5))):
         size, turn, where = rng.uniform(0.1, 2), rng.uniform(0, 6), rng.uniform(low - 6, high + 6)
-        ring = (
-            [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-            if rng.random() < 0.3
-            else rng.normal(size=(6, 2))
-        )
+        ring = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)] if rng.random() < 0.3 else rng.normal(size=(6, 2))
         if len(ring) == 6 and not isinstance(ring, list):
             ring = shapely.convex_hull(shapely.MultiPoint(ring)).exterior.coords[:-1]
         R = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
@@ -67,9 +63,7 @@ def scenes(draw, trajectory):
     goal = trajectory.states[-1].copy()
     goal[2] = np.arctan2(np.sin(goal[2]), np.cos(goal[2]))
     W = ConvexPolygon.rectangle(low[0] - room, high[0] + room, low[1] - room, high[1] + room)
-    return Scenario(
-        name="random", workspace=W, obstacles=tuple(obstacles), start=trajectory.states[0], goal=goal
-    )
+    return Scenario(name="random", workspace=W, obstacles=tuple(obstacles), start=trajectory.states[0], goal=goal)
 
 
 def bodies(car, trajectory, times):
@@ -195,9 +189,7 @@ def test_whatever_the_checker_accepts_is_true(paths, size, sign):
 
 
 @settings(max_examples=150)
-@given(
-    st.lists(st.sampled_from(PATHS), min_size=1, max_size=3, unique=True), st.floats() | st.none() | st.text()
-)
+@given(st.lists(st.sampled_from(PATHS), min_size=1, max_size=3, unique=True), st.floats() | st.none() | st.text())
 @example([("trajectory", "inputs", "a", 0)], 1e300)
 @example([("trajectory", "t", 4)], 1e18)
 @example([("vehicle", "wheelbase")], 1e-300)

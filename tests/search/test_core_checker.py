@@ -28,9 +28,7 @@ def test_clearances_and_verdicts_agree_with_the_closed_form(name, margin):
     rng = np.random.default_rng(7)
     car, obstacles = vehicle(name), random_polygons(rng, 25)
     parts = [part.polygon.vertices for part in car.parts]
-    checker = _core.CollisionChecker(
-        parts, WORKSPACE.vertices, [obstacle.vertices for obstacle in obstacles], margin
-    )
+    checker = _core.CollisionChecker(parts, WORKSPACE.vertices, [obstacle.vertices for obstacle in obstacles], margin)
     poses = np.c_[rng.uniform(-14, 14, (400, 2)), rng.uniform(-4, 4, 400)]
     slacks = checker.slack(poses)
     pairs = [clearance(transform(part, poses), obstacle.vertices) for part in parts for obstacle in obstacles]

@@ -90,9 +90,7 @@ def test_tight_end_is_where_the_car_has_less_room():
     assert enter.attempts[0].direction is Direction.BACKWARD
     assert leave.attempts[0].direction is Direction.FORWARD
     assert leave.path.length == pytest.approx(enter.path.length)
-    away = search(
-        workspace, obstacles, car, road, parked, HybridAStarOptions(directions=(Direction.FORWARD,))
-    )
+    away = search(workspace, obstacles, car, road, parked, HybridAStarOptions(directions=(Direction.FORWARD,)))
     assert enter.expansions < away.expansions
 
 
@@ -170,9 +168,7 @@ def l_shaped() -> SingleTrack:
 
 def test_a_body_of_two_parts_passes_where_its_bounding_box_cannot(clearance_along):
     truck = l_shaped()
-    box = SingleTrack.rectangular(
-        "box", wheelbase=2.0, length=4.5, width=3.2, rear_overhang=0.5, limits=truck.limits
-    )
+    box = SingleTrack.rectangular("box", wheelbase=2.0, length=4.5, width=3.2, rear_overhang=0.5, limits=truck.limits)
     post = ConvexPolygon.rectangle(3.0, 3.4, -1.5, -0.6)
     scene = ConvexPolygon.rectangle(-8, 6, -6, 6), [post]
     parked, away = (0.0, 0.0, 0.0), (-5.0, 2.0, 0.0)
@@ -207,8 +203,7 @@ def test_a_thousand_obstacles_far_away_cost_no_pair_tests(scene):
 
 def test_a_way_through_a_thousand_obstacles_tests_only_the_near_ones(clearance_along):
     posts = [
-        ConvexPolygon.rectangle(8 * i, 8 * i + 1, 8 * j, 8 * j + 1)
-        for i, j in itertools.product(range(32), range(32))
+        ConvexPolygon.rectangle(8 * i, 8 * i + 1, 8 * j, 8 * j + 1) for i, j in itertools.product(range(32), range(32))
     ]
     workspace = ConvexPolygon.rectangle(-8, 257, -8, 257)
     result = search(workspace, posts, PAPER, (4.5, -4, 0), (116.5, 116.5, 1.5))

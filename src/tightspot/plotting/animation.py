@@ -156,9 +156,7 @@ class _Stage:
 
     def _title(self, name: str, speedup: float, left: float, top: float) -> None:
         right = 1 - left
-        self.figure.text(
-            left, top, shortened(name, 24), fontsize=13, fontweight="bold", va="top", parse_math=False
-        )
+        self.figure.text(left, top, shortened(name, 24), fontsize=13, fontweight="bold", va="top", parse_math=False)
         look: dict[str, Any] = {"ha": "right", "va": "top", "fontsize": 12, "animated": True}
         self.clock = self.figure.text(right, top, "", family="DejaVu Sans Mono", **look)
         step = 84 / (self.figure.get_figwidth() * style.DPI)

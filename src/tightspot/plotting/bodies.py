@@ -67,8 +67,7 @@ def shape_path(shape: Any) -> Path:
     for polygon in shapely.get_parts(shapely.orient_polygons(shape)):
         if polygon.geom_type == "Polygon" and not polygon.is_empty:
             rings += [
-                Path(shapely.get_coordinates(ring), closed=True)
-                for ring in (polygon.exterior, *polygon.interiors)
+                Path(shapely.get_coordinates(ring), closed=True) for ring in (polygon.exterior, *polygon.interiors)
             ]
     return Path.make_compound_path(*rings) if rings else Path(np.zeros((0, 2)))
 
@@ -131,7 +130,5 @@ def draw_body(
     patch = shape_patch(body_shape(vehicle, state), **look)
     axes.add_patch(patch)
     if mark:
-        axes.fill(
-            *heading_mark(vehicle, state).T, color=mark_color, linewidth=0, zorder=patch.get_zorder() + 0.1
-        )
+        axes.fill(*heading_mark(vehicle, state).T, color=mark_color, linewidth=0, zorder=patch.get_zorder() + 0.1)
     return patch

@@ -88,9 +88,7 @@ def gear_changes(count: int) -> str:
     return {0: "no gear change", 1: "1 gear change"}.get(count, f"{count} gear changes")
 
 
-def put_legend(
-    figure: Figure, *, sweep: bool = True, path: bool = True, more: Sequence[Line2D | Patch] = ()
-) -> None:
+def put_legend(figure: Figure, *, sweep: bool = True, path: bool = True, more: Sequence[Line2D | Patch] = ()) -> None:
     """The meaning of the plan view's colours and line styles, in one row at the upper right."""
     width, height = figure.get_size_inches()
     handles: list[Line2D | Patch] = []

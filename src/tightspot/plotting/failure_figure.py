@@ -137,9 +137,7 @@ def _draw_detail(axes: Axes, scenario: Scenario, vehicle: VehicleModel, witness:
     draw_moment(axes, scenario, vehicle, witness)
     frame_axes(axes, window, scenario.offset)
     axes.set(xlabel="", ylabel="")
-    depth = (
-        f"{-witness.clearance:.3f} m deep" if witness.clearance < 0 else f"{witness.clearance:.3f} m apart"
-    )
+    depth = f"{-witness.clearance:.3f} m deep" if witness.clearance < 0 else f"{witness.clearance:.3f} m apart"
     text = f"t = {witness.time:.2f} s: {witness.part} / {witness.obstacle}, {depth}"
     look: dict[str, Any] = {"fontsize": 10, "fontweight": "bold", "color": style.BAD, "parse_math": False}
     axes.set_title(shortened(text, 60), loc="left", **look)
@@ -171,7 +169,5 @@ def _handles(witness: Witness | None, reached: ArrayLike | None) -> Sequence[Lin
     if witness is not None:
         handles.append(Patch(facecolor=(style.BAD, 0.2), edgecolor=style.BAD, label="worst moment"))
     if reached is not None:
-        handles.append(
-            Line2D([], [], linestyle="", marker=".", color=style.REACHED, label="reached by the search")
-        )
+        handles.append(Line2D([], [], linestyle="", marker=".", color=style.REACHED, label="reached by the search"))
     return handles

@@ -77,17 +77,14 @@ def _stacked(width: float, height: float) -> Layout:
     half = (width - _GAP) / 2
     clearance = Rect(_LEFT, _BOTTOM, half, rest)
     quarter = (half - _GAP) / 2
-    columns = [
-        _rows(Rect(_LEFT + half + _GAP + i * (quarter + _GAP), _BOTTOM, quarter, rest), 2) for i in range(2)
-    ]
+    columns = [_rows(Rect(_LEFT + half + _GAP + i * (quarter + _GAP), _BOTTOM, quarter, rest), 2) for i in range(2)]
     return Layout(scene, [columns[0][0], columns[1][0], columns[0][1], columns[1][1]], clearance, 2)
 
 
 def _rows(column: Rect, count: int, gap: float = 0.28) -> list[Rect]:
     height = (column.height - gap * (count - 1)) / count
     return [
-        column._replace(bottom=column.bottom + (count - 1 - i) * (height + gap), height=height)
-        for i in range(count)
+        column._replace(bottom=column.bottom + (count - 1 - i) * (height + gap), height=height) for i in range(count)
     ]
 
 

@@ -93,6 +93,5 @@ def spaced(states: ArrayLike, spacing: float) -> list[int]:
     moved = travelled(states) + np.concatenate([[0.0], np.cumsum(np.abs(np.diff(states[:, 2])))])
     count = max(1, round(moved[-1] / spacing))
     return sorted(
-        {int(i) for i in np.searchsorted(moved, np.linspace(0, moved[-1], count + 1) - 1e-9)}
-        | {0, len(states) - 1}
+        {int(i) for i in np.searchsorted(moved, np.linspace(0, moved[-1], count + 1) - 1e-9)} | {0, len(states) - 1}
     )

@@ -42,9 +42,7 @@ def save(figure: Figure, path: str | Path, *, dpi: float | None = None) -> None:
     ending = checked_ending(path, FIGURE_FORMATS)
     buffer = io.BytesIO()
     with style.drawing(), warnings.catch_warnings():
-        warnings.filterwarnings(
-            "ignore", message="Glyph .* missing from"
-        )  # names in scripts the font lacks: boxes
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")  # names in scripts the font lacks: boxes
         figure.savefig(buffer, format=ending[1:], dpi=dpi or "figure", metadata=_METADATA[ending])
     atomic_write(path, buffer.getvalue())
 
@@ -67,7 +65,5 @@ def checked_ending(path: str | Path, allowed: tuple[str, ...]) -> str:
     ending = Path(path).suffix.lower()
     if ending not in allowed:
         given = f"the ending {ending!r}" if ending else "no ending"
-        raise InputError(
-            Problem("", f"{path} has {given}; a picture's name must end in {', '.join(allowed)}")
-        )
+        raise InputError(Problem("", f"{path} has {given}; a picture's name must end in {', '.join(allowed)}"))
     return ending

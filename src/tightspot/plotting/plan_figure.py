@@ -97,9 +97,7 @@ def proved_bound(certificate: Certificate) -> tuple[Array, Array] | None:
         return None
     edges = np.unique(np.concatenate([proof.t for proof in proofs]))
     middles = (edges[:-1] + edges[1:]) / 2
-    bounds = [
-        p.clearance[np.clip(np.searchsorted(p.t, middles) - 1, 0, p.clearance.size - 1)] for p in proofs
-    ]
+    bounds = [p.clearance[np.clip(np.searchsorted(p.t, middles) - 1, 0, p.clearance.size - 1)] for p in proofs]
     return edges, np.min(bounds, axis=0)
 
 
@@ -118,9 +116,7 @@ def _draw_curves(
         figure.align_ylabels(drawn[column :: layout.columns])
 
 
-def _draw_clearance(
-    figure: Figure, layout: Layout, plan: Plan, motion: Trajectory, legs: Sequence[Leg]
-) -> None:
+def _draw_clearance(figure: Figure, layout: Layout, plan: Plan, motion: Trajectory, legs: Sequence[Leg]) -> None:
     certificate = plan.certificate
     axes = figure.add_axes(layout.clearance.within(WIDTH, HEIGHT), label="clearance")
     series = minimum_clearance(plan.scenario, plan.vehicle, plan.trajectory, sampling_step(plan.trajectory))

@@ -50,9 +50,7 @@ def draw_profile(
         axes.stairs(values, times, baseline=None, color=style.INK, linewidth=1.4, zorder=4)
     for leg in legs or ():
         part = slice(leg.first, leg.last + 1)
-        axes.fill_between(
-            times[part], values[part], color=style.GEAR[leg.gear], alpha=0.3, linewidth=0, zorder=3
-        )
+        axes.fill_between(times[part], values[part], color=style.GEAR[leg.gear], alpha=0.3, linewidth=0, zorder=3)
     for limit in limits:
         if np.isfinite(limit):
             line = axes.axhline(limit, color=style.LIMIT, linestyle=(0, (4, 2)), linewidth=1.1, zorder=2)
@@ -96,9 +94,7 @@ def draw_clearance(
     if proved is not None:
         cuts, bounds = proved
         bounds = np.clip(bounds, lowest, 2 * highest)
-        axes.stairs(
-            bounds, cuts, fill=True, color=style.GOOD, alpha=0.15, linewidth=0, zorder=2, label="proved"
-        )
+        axes.stairs(bounds, cuts, fill=True, color=style.GOOD, alpha=0.15, linewidth=0, zorder=2, label="proved")
     axes.plot(times, clearance, color=style.INK, linewidth=1.6, zorder=4)
     if lowest < 0:
         axes.fill_between(times, np.minimum(clearance, 0), color=style.BAD, alpha=0.3, linewidth=0, zorder=3)

@@ -24,9 +24,7 @@ from tightspot.vehicles import VehicleModel
 
 Array = NDArray[np.float64]
 
-_HALO: list[patheffects.AbstractPathEffect] = [
-    patheffects.withStroke(linewidth=3, foreground="white", alpha=0.9)
-]
+_HALO: list[patheffects.AbstractPathEffect] = [patheffects.withStroke(linewidth=3, foreground="white", alpha=0.9)]
 _NAME_SIZE = 8.5
 _ARROW = Path([(-0.5, 0.55), (0.7, 0.0), (-0.5, -0.55), (-0.2, 0.0), (-0.5, 0.55)], closed=True)
 
@@ -124,9 +122,7 @@ def draw_path(axes: Axes, trajectory: Trajectory, *, arrows: bool = True, crowde
     legs = drive_legs(trajectory)
     for leg in legs:
         part = poses[leg.first : leg.last + 1]
-        line = axes.plot(
-            *part[:, :2].T, color=style.GEAR[leg.gear], linewidth=2.6, solid_capstyle="round", zorder=7
-        )[0]
+        line = axes.plot(*part[:, :2].T, color=style.GEAR[leg.gear], linewidth=2.6, solid_capstyle="round", zorder=7)[0]
         line.set_gid(style.GEAR_NAME[leg.gear])
         line.set_path_effects([patheffects.withStroke(linewidth=4.4, foreground="white", alpha=0.85)])
         if arrows:
@@ -217,10 +213,7 @@ def draw_names(axes: Axes, scenario: Scenario) -> None:
     (x_min, x_max), (y_min, y_max) = axes.get_xlim(), axes.get_ylim()
     view = shapely.box(x_min, y_min, x_max, y_max)
     metres = (x_max - x_min) / axes.bbox.width * axes.figure.get_dpi() / 72  # a point
-    visible = [
-        (shapely.intersection(obstacle_shape(obstacle), view), obstacle.name)
-        for obstacle in scenario.obstacles
-    ]
+    visible = [(shapely.intersection(obstacle_shape(obstacle), view), obstacle.name) for obstacle in scenario.obstacles]
     taken: list[Any] = []
     for shape, name in sorted(visible, key=lambda item: -float(item[0].area)):
         if shape.area == 0:

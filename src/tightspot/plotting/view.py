@@ -80,9 +80,7 @@ def view_box(scenario: Scenario, points: ArrayLike | None = None) -> Box:
         )
     else:
         shown = workspace
-    both = Box.around(
-        [(shown.x_min, shown.y_min), (shown.x_max, shown.y_max), *np.asarray(points, dtype=float)]
-    )
+    both = Box.around([(shown.x_min, shown.y_min), (shown.x_max, shown.y_max), *np.asarray(points, dtype=float)])
     return both.grown(0.02 * max(both.width, both.height))
 
 
@@ -99,9 +97,7 @@ def frame_axes(axes: Axes, box: Box, offset: ArrayLike = (0.0, 0.0)) -> None:
     axes.set_aspect("equal", adjustable="box")
     axes.set_facecolor(style.OUTSIDE)
     axes.tick_params(length=3, width=0.8)
-    for axis, name, shift in zip(
-        (axes.xaxis, axes.yaxis), "xy", np.asarray(offset, dtype=float).tolist(), strict=True
-    ):
+    for axis, name, shift in zip((axes.xaxis, axes.yaxis), "xy", np.asarray(offset, dtype=float).tolist(), strict=True):
         base = round(shift, -1) if abs(shift) >= _LARGEST_TICK_OFFSET else 0.0
         axis.set_major_locator(_ShiftedLocator(shift))
         axis.set_major_formatter(FuncFormatter(_tick_text(shift - base)))

@@ -68,9 +68,7 @@ class Scene:
         settings = self._settings(resolution, checker.narrowest)
         settings.backward = direction is Direction.BACKWARD
         settings.time_limit = seconds
-        answer: _core.SearchAnswer = core.search(
-            checker, self.start, self.goal, settings, self.options.shortcuts
-        )
+        answer: _core.SearchAnswer = core.search(checker, self.start, self.goal, settings, self.options.shortcuts)
         return _record(resolution, margin, direction, answer), answer["arcs"], answer["closed"]
 
     def _resolved(self, direction: Direction, checker: _core.CollisionChecker) -> Direction:
@@ -109,9 +107,7 @@ class Scene:
         return settings
 
 
-def _record(
-    resolution: Resolution, margin: float, direction: Direction, answer: _core.SearchAnswer
-) -> Attempt:
+def _record(resolution: Resolution, margin: float, direction: Direction, answer: _core.SearchAnswer) -> Attempt:
     outcome = _OUTCOMES[answer["outcome"]]
     is_blocked = outcome in _BLOCKED
     return Attempt(

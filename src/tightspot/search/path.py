@@ -42,9 +42,7 @@ class Path:
         return int(np.count_nonzero(np.diff(np.sign(self.arcs[:, 0]))))
 
     @classmethod
-    def from_arcs(
-        cls, start: ArrayLike, arcs: ArrayLike, spacing: float = 0.1, goal: ArrayLike | None = None
-    ) -> Path:
+    def from_arcs(cls, start: ArrayLike, arcs: ArrayLike, spacing: float = 0.1, goal: ArrayLike | None = None) -> Path:
         """Samples of the arcs driven one after the other from ``start``, at most ``spacing`` m apart.
 
         Args:
@@ -69,7 +67,5 @@ def pose_of(value: ArrayLike, name: str) -> Array:
     """Three finite numbers as an array; raises :class:`InputError` naming the argument."""
     pose = np.ascontiguousarray(value, dtype=float)
     if pose.shape != (3,) or not np.isfinite(pose).all():
-        raise InputError(
-            Problem(name, f"{value!r} is not a pose; give three finite numbers (x m, y m, theta rad)")
-        )
+        raise InputError(Problem(name, f"{value!r} is not a pose; give three finite numbers (x m, y m, theta rad)"))
     return pose

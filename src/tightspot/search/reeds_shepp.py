@@ -100,9 +100,7 @@ def all_paths(start: ArrayLike, goal: ArrayLike, radius: float) -> tuple[ReedsSh
 
 def _checked(start: ArrayLike, goal: ArrayLike, radius: float) -> tuple[Array, Array, float]:
     if not (np.isfinite(radius) and radius > 0):
-        raise InputError(
-            Problem("radius", f"{radius} m is not a turning radius; give a positive, finite length")
-        )
+        raise InputError(Problem("radius", f"{radius} m is not a turning radius; give a positive, finite length"))
     return pose_of(start, "start"), pose_of(goal, "goal"), float(radius)
 
 
