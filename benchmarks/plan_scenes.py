@@ -12,6 +12,7 @@ import math
 import os
 import platform
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -65,6 +66,20 @@ def search_time(scenario: scenarios.Scenario) -> float:
     return 1000 * statistics.median(times)
 
 
+def import_time() -> float:
+    """Time of ``import tightspot`` in a new process beyond an empty one's, best of a few, ms."""
+
+    def best(program: str) -> float:
+        times = []
+        for _ in range(SEARCHES):
+            started = time.perf_counter()
+            subprocess.run([sys.executable, "-c", program], check=True)
+            times.append(time.perf_counter() - started)
+        return min(times)
+
+    return 1000 * (best("import tightspot") - best("pass"))
+
+
 def machine() -> dict[str, Any]:
     """Where and with what it was measured."""
     names = ("numpy", "shapely", "casadi")
@@ -101,7 +116,7 @@ _COLUMNS = (
 )
 
 
-def as_markdown(rows: list[dict[str, Any]], where: dict[str, Any]) -> str:
+def as_markdown(rows: list[dict[str, Any]], where: dict[str, Any], imported: float) -> str:
     """The table and the machine, as the results file holds them."""
     lines = [
         "# Plans of all scenes",
@@ -125,6 +140,7 @@ def as_markdown(rows: list[dict[str, Any]], where: dict[str, Any]) -> str:
     lines += ["", "## Problems", "", *(problems or ["None."])]
     searches = [row["hybrid_astar_ms"] for row in rows if "hybrid_astar_ms" in row]
     lines += ["", f"Hybrid A*, median over the scenes: {statistics.median(searches):.1f} ms."]
+    lines += ["", f"`import tightspot`: {imported:.0f} ms beyond an empty process."]
     return "\n".join(lines) + "\n"
 
 
@@ -141,13 +157,13 @@ def main() -> int:
             continue
         sys.stderr.write(f"{Path(scene).stem} ...\n")
         rows.append(measure(scene))
-    where = machine()
-    report = as_markdown(rows, where)
+    where, imported = machine(), import_time()
+    report = as_markdown(rows, where, imported)
     sys.stdout.write(report)
     if not options.no_write:
         RESULTS.mkdir(exist_ok=True)
         (RESULTS / "plan_scenes.md").write_text(report, encoding="utf-8")
-        content = json.dumps({"machine": where, "scenes": rows}, indent=2) + "\n"
+        content = json.dumps({"machine": where, "import_ms": imported, "scenes": rows}, indent=2) + "\n"
         (RESULTS / "plan_scenes.json").write_text(content, encoding="utf-8")
     return int(any(row["problems"] for row in rows))
 

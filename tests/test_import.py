@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -17,16 +16,8 @@ def python(program: str) -> str:
     return done.stdout.strip()
 
 
-def test_import_takes_less_than_a_second():
-    seconds = []
-    for _ in range(3):
-        started = time.perf_counter()
-        python("import tightspot")
-        seconds.append(time.perf_counter() - started)
-    assert min(seconds) < 1.0
-
-
 def test_import_loads_nothing_heavy():
+    """Its time is measured by `make bench`; this is what keeps it small."""
     heavy = {"casadi", "matplotlib", "numpy", "shapely", "pydantic", "rich", "typer", "tightspot._core"}
     assert python(f"import sys, tightspot; print(sorted(set(sys.modules) & {heavy}))") == "[]"
 
