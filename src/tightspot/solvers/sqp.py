@@ -67,12 +67,18 @@ class Sqp(Solver):
         function = self._function(nlp, free, watcher)
         built = time.perf_counter()
         arguments = _arguments(nlp, free, warm)
+        result, complaint = None, ""
         with interrupts:
-            result = function(**arguments)
+            try:
+                result = function(**arguments)
+            except RuntimeError as error:  # Uno gives up on some iterates by an exception
+                complaint = str(error).strip().splitlines()[-1]
         interrupts.deliver()
         if watcher.raised is not None:
             raise watcher.raised
         timings = {"build": built - started, "solve": time.perf_counter() - built}
+        if result is None:
+            return _broken(nlp, nlp.x0 if warm is None else warm.x, timings, complaint)
         return self._report(nlp, free, function, result, timings, stopped=watcher.stopped)
 
     def _function(self, nlp: Nlp, free: NDArray[np.intp], watcher: Watcher) -> Any:
@@ -152,6 +158,28 @@ class Sqp(Solver):
         if seconds >= dict(self.options).get("time_limit", self.time_limit):
             return SolveStatus.TIME_LIMIT
         return SolveStatus.FAILED
+
+
+def _broken(nlp: Nlp, x: Array, timings: dict[str, float], complaint: str) -> SolveReport:
+    """The report of a solve that Uno broke off without a last iterate: it stands at its starting point."""
+    f, g = ca.Function("start", [nlp.x, nlp.p], [nlp.f, nlp.g])(x, nlp.p0)
+    rows = np.array(g, float).ravel()
+    worst, violation = nlp.worst_row(rows)
+    return SolveReport(
+        status=SolveStatus.NUMERICAL,
+        solver=Sqp.name,
+        x=x,
+        objective=float(f),
+        g=rows,
+        lam_x=np.zeros(x.size),
+        lam_g=np.zeros(rows.size),
+        iterations=0,
+        violation=violation,
+        stationarity=np.inf,
+        worst=worst.describe() if worst else "",
+        timings=timings,
+        backend_status=complaint,
+    )
 
 
 def _arguments(nlp: Nlp, free: NDArray[np.intp], warm: WarmStart | None) -> dict[str, Any]:
