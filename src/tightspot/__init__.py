@@ -30,7 +30,7 @@ if TYPE_CHECKING:
         VehicleError,
     )
     from tightspot.geometry import ConvexPolygon
-    from tightspot.planner import Progress, plan
+    from tightspot.planner import Progress, minimum_penetration, plan
     from tightspot.scenarios import Obstacle, Scenario, load
     from tightspot.trajectory import Trajectory
     from tightspot.transcription import Objective
@@ -59,7 +59,7 @@ _ROOMS = {
         "VehicleError",
     ),
     "tightspot.geometry": ("ConvexPolygon",),
-    "tightspot.planner": ("Progress", "plan"),
+    "tightspot.planner": ("Progress", "minimum_penetration", "plan"),
     "tightspot.scenarios": ("Obstacle", "Scenario", "load"),
     "tightspot.trajectory": ("Trajectory",),
     "tightspot.transcription": ("Objective",),
@@ -121,6 +121,7 @@ __all__ = [
     "load",
     "load_plan",
     "load_vehicle",
+    "minimum_penetration",
     "plan",
     "save_plan",
     "vehicle",
