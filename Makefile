@@ -40,6 +40,7 @@ demo: $(VENV)/.installed-plot
 # pytest comes last: its closing line is the result.
 test: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	PATH="$(CURDIR)/$(BIN):$$PATH" cpp/run_tests.sh

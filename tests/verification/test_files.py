@@ -63,7 +63,7 @@ def test_far_coordinates_survive_the_file(kit, tmp_path, offset):
     written = json.loads((tmp_path / "plan.json").read_text())
     assert written["trajectory"]["states"]["x"][0] == offset[0]
     assert abs(written["certificate"]["pairs"][0]["c"][0]) < 100
-    write_trajectory_csv(tmp_path / "trajectory.csv", loaded)
+    write_trajectory_csv(loaded, tmp_path / "trajectory.csv")
     assert np.loadtxt(tmp_path / "trajectory.csv", delimiter=",", skiprows=1)[0, 2] == offset[1]
 
 
@@ -79,7 +79,7 @@ def test_an_uncertified_plan_can_be_stored_with_its_witness(plan, tmp_path):
 
 def test_csv_is_the_replay_with_the_knots(plan, tmp_path):
     path = tmp_path / "trajectory.csv"
-    write_trajectory_csv(path, plan, dt=0.3)
+    write_trajectory_csv(plan, path, dt=0.3)
     lines = path.read_text().splitlines()
     assert lines[0] == "t,x,y,theta,v,delta,a,omega"
     rows = np.array([[float(value) for value in line.split(",")] for line in lines[1:]])
@@ -90,7 +90,7 @@ def test_csv_is_the_replay_with_the_knots(plan, tmp_path):
     assert np.array_equal(rows[t == 1.0][0, 6:], plan.trajectory.inputs[1])
     assert np.array_equal(rows[-1, 6:], plan.trajectory.inputs[-1])
     with pytest.raises(InputError, match="dt"):
-        write_trajectory_csv(path, plan, dt=0.0)
+        write_trajectory_csv(plan, path, dt=0.0)
 
 
 BROKEN = {

@@ -75,7 +75,7 @@ def _write(plan: Plan, directory: Path, *, picture: bool) -> None:
     from tightspot.verification import save_plan, write_trajectory_csv
 
     save_plan(plan, directory / PLAN)
-    write_trajectory_csv(directory / TRAJECTORY, plan)
+    write_trajectory_csv(plan, directory / TRAJECTORY)
     if picture:
         from tightspot import plotting
 

@@ -169,7 +169,7 @@ def verify_plan(plan: Plan, *, settings: JudgeSettings | None = None) -> Verdict
     return Verdict(certificate.certified and stored.ok, certificate, stored)
 
 
-def write_trajectory_csv(path: str | Path, plan: Plan, dt: float = 0.05) -> None:
+def write_trajectory_csv(plan: Plan, path: str | Path, dt: float = 0.05) -> None:
     """Write the replayed motion as CSV: t, the states and the inputs, at times at most ``dt`` (s) apart and
     the knots.
 
