@@ -122,8 +122,7 @@ class Ipopt(Solver):
         x, g, lam_x, lam_g = (np.array(result[key], float).ravel() for key in ("x", "g", "lam_x", "lam_g"))
         functions = [value for key, value in stats.items() if key.startswith("t_wall_nlp_")]
         timings["functions"] = float(sum(functions))
-        worst, violation = nlp.worst_row(g)
-        outside = np.maximum(nlp.lbx - x, x - nlp.ubx)
+        worst, violation = nlp.worst(x, g)
         return SolveReport(
             status=_STATUS.get(stats["return_status"], SolveStatus.FAILED),
             solver=self.name,
@@ -133,9 +132,9 @@ class Ipopt(Solver):
             lam_x=lam_x,
             lam_g=lam_g,
             iterations=int(stats["iter_count"]),
-            violation=max(violation, float(outside.max(initial=0.0))),
+            violation=violation,
             stationarity=_stationarity(function, nlp, x, lam_x, lam_g),
-            worst=worst.describe() if worst else "",
+            worst=worst,
             timings=timings,
             backend_status=str(stats["return_status"]),
         )

@@ -143,6 +143,12 @@ class Nlp:
         row = int(np.argmax(violation))
         return self.block_of(row), float(violation[row])
 
+    def worst(self, x: Array, g: Array) -> tuple[str, float]:
+        """What the most violated row is about ("" without rows), and the largest violation of a row or bound."""
+        block, violation = self.worst_row(g)
+        outside = np.maximum(self.lbx - x, x - self.ubx)
+        return block.describe() if block else "", max(violation, float(outside.max(initial=0.0)))
+
     def block_of(self, row: int) -> RowBlock | None:
         """The block that holds a row of g."""
         return next((block for block in self.blocks if block.rows.start <= row < block.rows.stop), None)

@@ -126,8 +126,7 @@ class Sqp(Solver):
         fixed = nlp.lbx == nlp.ubx
         lam_x[fixed] = -gradient[fixed]
         timings["functions"] = float(sum(value for key, value in stats.items() if key.startswith("t_wall_")))
-        worst, violation = nlp.worst_row(g)
-        outside = np.maximum(nlp.lbx - x, x - nlp.ubx)
+        worst, violation = nlp.worst(x, g)
         return SolveReport(
             status=self._status(stats, timings["solve"], stopped=stopped),
             solver=self.name,
@@ -137,9 +136,9 @@ class Sqp(Solver):
             lam_x=lam_x,
             lam_g=lam_g,
             iterations=int(stats["iter_count"]),
-            violation=max(violation, float(outside.max(initial=0.0))),
+            violation=violation,
             stationarity=float(np.abs(gradient + lam_x).max() / max(1.0, np.abs(lam_g).max(initial=0.0))),
-            worst=worst.describe() if worst else "",
+            worst=worst,
             timings=timings,
             backend_status=str(stats["return_status"]),
         )
@@ -164,7 +163,7 @@ def _broken(nlp: Nlp, x: Array, timings: dict[str, float], complaint: str) -> So
     """The report of a solve that Uno broke off without a last iterate: it stands at its starting point."""
     f, g = ca.Function("start", [nlp.x, nlp.p], [nlp.f, nlp.g])(x, nlp.p0)
     rows = np.array(g, float).ravel()
-    worst, violation = nlp.worst_row(rows)
+    worst, violation = nlp.worst(x, rows)
     return SolveReport(
         status=SolveStatus.NUMERICAL,
         solver=Sqp.name,
@@ -176,7 +175,7 @@ def _broken(nlp: Nlp, x: Array, timings: dict[str, float], complaint: str) -> So
         iterations=0,
         violation=violation,
         stationarity=np.inf,
-        worst=worst.describe() if worst else "",
+        worst=worst,
         timings=timings,
         backend_status=complaint,
     )
