@@ -11,7 +11,7 @@ from tightspot.formulations.separating_line import SeparatingLine
 from tightspot.formulations.shared_vertex_exclusion import SharedVertexExclusion
 from tightspot.formulations.signed_distance_dual import SignedDistanceDual
 from tightspot.formulations.soft_signed_distance import SoftSignedDistance
-from tightspot.formulations.swept_line import SweptLine
+from tightspot.formulations.swept_line import SweptLine, SweptUnitNormalLine
 from tightspot.formulations.triangle_area import TriangleArea
 from tightspot.formulations.unit_normal_line import UnitNormalLine
 from tightspot.formulations.vertex_exclusion import VertexExclusion
@@ -22,6 +22,7 @@ FORMULATIONS: dict[str, type[Formulation]] = {
         SeparatingLine,
         UnitNormalLine,
         SweptLine,
+        SweptUnitNormalLine,
         SeparatingGap,
         VertexExclusion,
         SharedVertexExclusion,
@@ -65,6 +66,7 @@ __all__ = [
     "SignedDistanceDual",
     "SoftSignedDistance",
     "SweptLine",
+    "SweptUnitNormalLine",
     "TriangleArea",
     "UnitNormalLine",
     "VertexExclusion",

@@ -5,15 +5,20 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tightspot.formulations import Formulation
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles.base import VehicleModel
 
+Array = NDArray[np.float64]
+
 METRES_PER_STEP = 0.5
 STEPS_PER_GEAR = 4
 FEWEST, MOST = 30, 70
-COVER = 0.01
+COVER = 0.05
+EASY = 0.1
+MOST_POSES = 3
 
 
 def path_length(trajectory: Trajectory) -> float:
@@ -35,9 +40,10 @@ def steps_for(guess: Trajectory) -> int:
 
 
 def poses_for(formulation: Formulation, guess: Trajectory, vehicle: VehicleModel, steps: int) -> int:
-    """Sub-intervals of an interval, so that the motion between two poses needs a cover of about ``COVER`` m.
+    """Sub-intervals of every interval of a uniform mesh, from a guess whose speed means nothing.
 
-    The optimised trajectory's speed is not known yet; it is taken as the guess's path at half the speed limit.
+    The motion between two poses then needs a cover of about ``COVER`` if the guess's path is driven at half the speed
+    limit with full use of the inputs and straight wheels.
     """
     if formulation.holds == "knots":
         return 1
@@ -50,4 +56,39 @@ def poses_for(formulation: Formulation, guess: Trajectory, vehicle: VehicleModel
     state[3] = speed
     part = max(vehicle.parts, key=lambda part: part.polygon.radius)
     bound = vehicle.acceleration_bound(part.frame, part.polygon.radius, list(state), list(control), 0.0, np)
-    return int(np.clip(math.ceil(interval / math.sqrt(8 * COVER / bound)), 2, 6))
+    return int(np.clip(math.ceil(interval / math.sqrt(8 * COVER / bound)), 1, MOST_POSES))
+
+
+def covers_of(motion: Trajectory, vehicle: VehicleModel) -> Array:
+    """What the lemma adds to the margin on each interval without interior poses: ``P h^2 / 8``, m, (N,).
+
+    With the states at the knots and the inputs of a motion that is about to be optimised further.
+    """
+    middle = (motion.states[:-1] + motion.states[1:]) / 2
+    h = np.diff(motion.t)
+    bounds = [
+        np.broadcast_to(
+            vehicle.acceleration_bound(
+                part.frame, part.polygon.radius, list(middle.T), list(motion.inputs.T), h / 2, np
+            ),
+            h.shape,
+        )
+        for part in vehicle.parts
+    ]
+    return np.asarray(np.max(bounds, axis=0) * h**2 / 8)
+
+
+def poses_on(formulation: Formulation, covers: Array, clearances: Array) -> tuple[int, ...]:
+    """Sub-intervals of each interval, so that a cover of about ``COVER`` is left where it matters.
+
+    Args:
+        formulation: Members that hold at the knots have one.
+        covers: Of each interval without interior poses, m, (N,).
+        clearances: Room beyond the margin on each interval, m, (N,); with more than the cover and ``EASY`` no interior
+            pose is needed.
+    """
+    if formulation.holds == "knots":
+        return (1,) * covers.size
+    wanted = np.ceil(np.sqrt(covers / COVER))
+    wanted[clearances > covers + EASY] = 1
+    return tuple(int(count) for count in np.clip(wanted, 1, MOST_POSES))

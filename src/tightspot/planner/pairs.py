@@ -64,6 +64,19 @@ class Room:
     obstacles: Array
     walls: Array
 
+    @property
+    def deepest(self) -> float:
+        """Smallest clearance of obstacles, m; infinite without any."""
+        return float(self.obstacles.min(initial=np.inf))
+
+    def spare(self, margin: float) -> Array:
+        """How much nearer the motion might come on each interval, m, (N,); negative where it is too near.
+
+        To obstacles the ``margin`` is demanded, to W's boundary nothing.
+        """
+        obstacles = self.obstacles.min(axis=(1, 2), initial=np.inf)
+        return np.asarray(np.minimum(obstacles - margin, self.walls.min(axis=(1, 2), initial=np.inf)))
+
     @classmethod
     def of_guess(cls, guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel) -> Room:
         """Of the interpolated guess on the grid's intervals."""

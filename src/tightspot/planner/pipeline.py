@@ -16,8 +16,8 @@ from tightspot.guesses import Guess, GuessResult
 from tightspot.planner.mesh import gear_changes, path_length
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request, resolve
-from tightspot.planner.rounds import Round, run_round
-from tightspot.planner.strategy import Step, first_step, next_step
+from tightspot.planner.rounds import Round, Step, run_round
+from tightspot.planner.strategy import first_step, next_step
 from tightspot.scenarios import Scenario
 from tightspot.solvers import Solver
 from tightspot.trajectory import Trajectory
@@ -87,7 +87,7 @@ def _rounds(request: Request, guess: Trajectory, tell: ProgressCallback, deadlin
     rounds: list[Round] = []
     while step is not None:
         number = len(rounds)
-        rounds.append(run_round(request, step.mesh, step.start, number, tell, deadline - time.perf_counter()))
+        rounds.append(run_round(request, step, number, tell, deadline - time.perf_counter()))
         judged = rounds[-1].certificate
         if (judged and judged.certified) or number == request.refinements or time.perf_counter() > deadline:
             break

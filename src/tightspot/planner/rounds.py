@@ -14,7 +14,7 @@ from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
 from tightspot.solvers import Iteration, SolveReport
 from tightspot.trajectory import Trajectory
-from tightspot.transcription import Settings, TimeGrid, Transcription, transcribe
+from tightspot.transcription import Settings, TimeGrid, Transcription, carry_over, transcribe
 from tightspot.verification import Certificate, verify
 from tightspot.verification.replay import Replay, replay
 
@@ -28,7 +28,7 @@ class Mesh:
     Attributes:
         formulation: How separation is written.
         grid: Knots.
-        poses: Sub-intervals of an interval with rows (members that hold on the interval).
+        poses: Sub-intervals with rows of each interval (members that hold on the interval), N numbers.
         extra: Clearance demanded beyond the margin, m, so that the judge has room to prove the margin.
         active: Pairs in the problem, (N, parts, obstacle parts).
         walls: Edges of W in the problem, (N, parts, edges).
@@ -36,10 +36,39 @@ class Mesh:
 
     formulation: Formulation
     grid: TimeGrid
-    poses: int
+    poses: tuple[int, ...]
     extra: float
     active: NDArray[np.bool_]
     walls: NDArray[np.bool_]
+
+    def cut(self, pieces: NDArray[np.intp]) -> Mesh:
+        """Interval k cut into ``pieces[k]``; what is in the problem there stays in it on all pieces."""
+        return replace(
+            self,
+            grid=self.grid.cut(pieces),
+            poses=tuple(np.repeat(self.poses, pieces).tolist()),
+            active=np.repeat(self.active, pieces, axis=0),
+            walls=np.repeat(self.walls, pieces, axis=0),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What to solve and from where.
+
+    Attributes:
+        mesh: On which mesh.
+        start: From which trajectory.
+        kind: What the planner is trying, one word for itself.
+        reason: The same for people.
+        before: The round whose lines and multipliers are carried over; ``None``: closed-form lines, no multipliers.
+    """
+
+    mesh: Mesh
+    start: Trajectory
+    kind: str
+    reason: str
+    before: Round | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,20 +76,32 @@ class Round:
     """A round's outcome.
 
     Attributes:
-        mesh: What was solved.
+        step: What was solved, from where and why.
+        transcription: The nonlinear program.
         report: The solver's.
         trajectory: The replayed trajectory: the inputs integrated from the start, sampled at the knots.
         replay: The continuous motion; ``None`` if the solve failed.
         certificate: The judge's word; ``None`` if the solve failed.
-        seconds: Time of set-up, solve and judge.
+        timings: Seconds of ``set_up`` (program and its derivatives), ``solve`` and ``judge``.
     """
 
-    mesh: Mesh
+    step: Step
+    transcription: Transcription
     report: SolveReport
     trajectory: Trajectory
     replay: Replay | None
     certificate: Certificate | None
-    seconds: float
+    timings: dict[str, float]
+
+    @property
+    def mesh(self) -> Mesh:
+        """What was solved."""
+        return self.step.mesh
+
+    @property
+    def seconds(self) -> float:
+        """Time of the whole round."""
+        return sum(self.timings.values())
 
     @property
     def solved(self) -> bool:
@@ -71,41 +112,49 @@ class Round:
         """Plain data for the report."""
         judged = self.certificate
         return {
+            "reason": self.step.reason,
             "formulation": self.mesh.formulation.name,
             "steps": self.mesh.grid.steps,
-            "poses_per_interval": self.mesh.poses,
+            "poses": sum(self.mesh.poses),
             "demanded_clearance_extra": self.mesh.extra,
             "pairs": int(self.mesh.active.sum()),
+            "variables": self.transcription.nlp.n_variables,
+            "rows": self.transcription.nlp.n_rows,
+            "warm": self.step.before is not None,
             "solve": self.report.to_dict(),
             "certified": bool(judged.certified) if judged else False,
             "clearance": judged.clearance if judged and np.isfinite(judged.clearance) else None,
             "witness": str(judged.witness) if judged and judged.witness else None,
             "seconds": self.seconds,
+            "timings": self.timings,
         }
 
 
-def run_round(
-    request: Request, mesh: Mesh, guess: Trajectory, number: int, progress: ProgressCallback, seconds: float
-) -> Round:
-    """Transcribe onto the mesh, solve from the guess within ``seconds``, replay and judge."""
+def run_round(request: Request, step: Step, number: int, progress: ProgressCallback, seconds: float) -> Round:
+    """Transcribe onto the mesh, solve from the start within ``seconds``, replay and judge."""
     started = time.perf_counter()
+    mesh = step.mesh
     pairs = int(mesh.active.sum())
     progress(Progress("solve", f"{mesh.grid.steps} intervals, {pairs} pairs of parts near each other", number))
     transcription = transcribe(
         request.scenario,
         request.vehicle,
-        guess,
+        step.start,
         _settings(request, mesh),
         grid=mesh.grid,
         active=mesh.active,
         walls=mesh.walls,
     )
+    before = step.before
+    warm = carry_over(before.transcription, before.report, transcription) if before else None
 
     def watch(iteration: Iteration) -> None:
         progress(Progress("solve", f"iteration {iteration.number}", number, iteration))
 
-    report = request.solver.with_time_limit(seconds).solve(transcription.nlp, callback=watch)
-    return _judged(request, mesh, transcription, report, number, progress, started)
+    report = request.solver.with_time_limit(seconds).solve(transcription.nlp, warm=warm, callback=watch)
+    solve = report.timings.get("solve", 0.0)
+    timings = {"set_up": time.perf_counter() - started - solve, "solve": solve}
+    return _judged(request, step, transcription, report, number, progress, timings)
 
 
 def _settings(request: Request, mesh: Mesh) -> Settings:
@@ -115,20 +164,21 @@ def _settings(request: Request, mesh: Mesh) -> Settings:
         margin=request.margin + mesh.extra,
         end_margin=request.margin,
         workspace_margin=mesh.extra,
-        substeps=max(2, mesh.poses),
+        substeps=2,
         poses=mesh.poses,
     )
 
 
 def _judged(
     request: Request,
-    mesh: Mesh,
+    step: Step,
     transcription: Transcription,
     report: SolveReport,
     number: int,
     progress: ProgressCallback,
-    started: float,
+    timings: dict[str, float],
 ) -> Round:
+    started = time.perf_counter()
     trajectory = transcription.trajectory(np.nan_to_num(report.x))
     motion = certificate = None
     if report.violation <= FEASIBLE and np.isfinite(report.objective):
@@ -136,7 +186,8 @@ def _judged(
         motion = replay(request.vehicle, trajectory)
         trajectory = replace(trajectory, states=_within_bounds(motion.knots, request))
         certificate = verify(request.scenario, request.vehicle, trajectory, margin=request.margin)
-    return Round(mesh, report, trajectory, motion, certificate, time.perf_counter() - started)
+    timings = timings | {"judge": time.perf_counter() - started}
+    return Round(step, transcription, report, trajectory, motion, certificate, timings)
 
 
 def _within_bounds(states: NDArray[np.float64], request: Request) -> NDArray[np.float64]:

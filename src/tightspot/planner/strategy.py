@@ -1,61 +1,58 @@
-"""What to solve first, and what next when the solver fails or the judge objects."""
+"""What to solve first, and what next when the solver fails or the judge objects.
+
+The usual course: solve with separation at the knots, which is cheap; see by the judge's replay where the motion between
+them comes near; add intervals there; and solve for separation on whole intervals, started with the lines, states and
+multipliers of the first solution. That is certified, or the judge's witness says where intervals are still missing.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.formulations import Formulation, SeparatingLine
-from tightspot.planner.mesh import poses_for, steps_for
+from tightspot.planner.mesh import covers_of, poses_for, poses_on, steps_for
 from tightspot.planner.pairs import Room
 from tightspot.planner.request import Request
-from tightspot.planner.rounds import Mesh, Round
+from tightspot.planner.rounds import Mesh, Round, Step
 from tightspot.trajectory import Trajectory
-from tightspot.transcription import TimeGrid
+from tightspot.transcription import TimeGrid, resample
 from tightspot.verification import Certificate
 from tightspot.verification.replay import Replay
 
 REACH = 2.0
-WALL_REACH = 4.0
 FEW_PAIRS = 100
+NEAR, DEEP, HOPELESS = 0.15, 0.1, 0.6
 EXTRA = 0.002
 LARGEST_EXTRA = 0.1
 MOST_STEPS = 240
-FAILED_SOLVES = 3
+FAILED_SOLVES = 4
 ABOUT_CLEARANCE = ("obstacles", "workspace")
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
-    """What to solve and from where, and why, for people."""
-
-    mesh: Mesh
-    start: Trajectory
-    reason: str
-
-
 def first_step(request: Request, guess: Trajectory) -> Step:
-    """The guess's own mesh. A guess that may collide is first made free at the knots, which is easier."""
+    """At the knots only, on the guess's own mesh: with (17), or with the demanded member if it holds there."""
     steps = request.steps or steps_for(guess)
-    formulation = request.formulation if request.guess.collision_free else at_knots(request.formulation)
-    return Step(_mesh(request, formulation, guess, steps), guess, "from the guess")
+    formulation = at_knots(request.formulation)
+    return Step(_uniform(request, formulation, guess, steps), guess, "knots", "from the guess")
 
 
 def next_step(request: Request, rounds: Sequence[Round], guess: Trajectory) -> Step | None:
     """After a round that was not certified; ``None`` when there is nothing left to try."""
     last = rounds[-1]
-    if last.certificate and last.replay:
-        if last.mesh.formulation is not request.formulation:
-            return _whole_intervals(request, last, last.trajectory)
+    if last.certificate is None or last.replay is None:
+        return _after_failure(request, rounds, guess)
+    if last.mesh.formulation is request.formulation:
         mesh = refine(request, last.mesh, last.replay, last.certificate, len(rounds))
         news = f"{mesh.grid.steps} intervals, {1000 * mesh.extra:.0f} mm beyond the margin"
-        return Step(mesh, last.trajectory, news)
-    if sum(not outcome.solved for outcome in rounds) > FAILED_SOLVES:
-        return None
-    return _after_failure(request, rounds, guess)
+        return Step(mesh, on_grid(last.replay, mesh.grid), "refine", news, last)
+    room = Room.of_replay(last.replay, request.scenario, request.vehicle)
+    if room.deepest < -HOPELESS and _failures(rounds, "guess") == 0:
+        return _from_guess(request, last.mesh.grid.steps, guess, "the knots jump over an obstacle")
+    return _between_the_knots(request, last, last.replay, room)
 
 
 def at_knots(formulation: Formulation) -> Formulation:
@@ -63,50 +60,78 @@ def at_knots(formulation: Formulation) -> Formulation:
     return SeparatingLine() if formulation.holds == "interval" else formulation
 
 
-def _mesh(request: Request, formulation: Formulation, guess: Trajectory, steps: int) -> Mesh:
+def on_grid(motion: Replay, grid: TimeGrid) -> Trajectory:
+    """The replayed motion at the knots of a finer grid: it satisfies the dynamics there."""
+    onto = resample(motion.trajectory, grid)
+    return replace(onto, states=motion.at(onto.t))
+
+
+def _uniform(request: Request, formulation: Formulation, guess: Trajectory, steps: int) -> Mesh:
     grid = TimeGrid.uniform(steps)
     room = Room.of_guess(guess, grid, request.scenario, request.vehicle)
-    poses = poses_for(formulation, guess, request.vehicle, steps)
-    small = room.obstacles.size <= FEW_PAIRS
-    active, walls = room.obstacles < (np.inf if small else REACH), room.walls < (np.inf if small else WALL_REACH)
-    return Mesh(formulation, grid, poses, EXTRA, active, walls)
+    poses = (poses_for(formulation, guess, request.vehicle, steps),) * steps
+    small = room.obstacles.size <= FEW_PAIRS and formulation.holds == "knots"
+    active = room.obstacles < (np.inf if small else REACH)
+    return Mesh(formulation, grid, poses, EXTRA, _with_neighbours(active), _with_neighbours(room.walls < REACH))
 
 
-def _whole_intervals(request: Request, last: Round, start: Trajectory) -> Step:
-    """From a solution that is free at the knots to the demanded member, which holds in between, too."""
-    mesh = last.mesh
-    room = Room.of_guess(start, mesh.grid, request.scenario, request.vehicle)
-    active, walls = mesh.active | (room.obstacles < REACH), mesh.walls | (room.walls < WALL_REACH)
-    poses = poses_for(request.formulation, start, request.vehicle, mesh.grid.steps)
+def _between_the_knots(request: Request, last: Round, motion: Replay, room: Room) -> Step:
+    """From a solution that is free at the knots to the demanded member, on a mesh that is finer where it is near."""
+    spare = room.spare(request.margin)
+    reach = min(REACH, 1.0 + 3 * max(0.0, -room.deepest))
+    pieces = np.where(spare < -DEEP, 4, np.where(spare < NEAR, 2, 1))
+    if pieces.sum() > MOST_STEPS:
+        pieces = np.ones_like(pieces)
+    mesh = replace(
+        last.mesh,
+        formulation=request.formulation,
+        active=_with_neighbours(room.obstacles < reach),
+        walls=_with_neighbours(room.walls < reach),
+    ).cut(pieces)
+    start = on_grid(motion, mesh.grid)
+    poses = poses_on(request.formulation, covers_of(start, request.vehicle), np.repeat(spare, pieces))
     return Step(
-        replace(mesh, formulation=request.formulation, poses=poses, active=active, walls=walls),
+        replace(mesh, poses=poses),
         start,
-        f"free at the knots; now between them, too, by {request.formulation.name}",
+        "between",
+        f"free at the knots; now between them, too, with {mesh.grid.steps} intervals",
+        last,
     )
 
 
-def _after_failure(request: Request, rounds: Sequence[Round], guess: Trajectory) -> Step:
-    """From the last solution on a finer mesh; or, without any, at the knots only first; or more intervals."""
-    last = rounds[-1].mesh
-    solved = [outcome for outcome in rounds if outcome.solved]
-    if solved:
-        mesh = solved[-1].mesh
-        finer = _split(mesh, np.ones(mesh.grid.steps, bool))
-        return Step(
-            replace(finer, formulation=request.formulation, extra=EXTRA, poses=last.poses),
-            solved[-1].trajectory,
-            f"the solver failed; {finer.grid.steps} intervals from the last solution",
-        )
-    if last.formulation.holds == "interval":
-        mesh = replace(last, formulation=at_knots(last.formulation), poses=1)
-        return Step(mesh, guess, "the solver failed; once more at the knots only, from the guess")
-    steps = min(int(np.ceil(1.5 * last.grid.steps)), MOST_STEPS)
-    mesh = replace(_mesh(request, request.formulation, guess, steps), extra=EXTRA / 2)
-    return Step(mesh, guess, f"the solver failed; {steps} intervals from the guess")
+def _from_guess(request: Request, steps: int, guess: Trajectory, why: str) -> Step:
+    mesh = _uniform(request, request.formulation, guess, steps)
+    return Step(mesh, guess, "guess", f"{why}; on whole intervals, from the guess")
+
+
+def _after_failure(request: Request, rounds: Sequence[Round], guess: Trajectory) -> Step | None:
+    """From the last solution on a finer mesh; or on whole intervals from the guess; or more intervals."""
+    if sum(not outcome.solved for outcome in rounds) > FAILED_SOLVES:
+        return None
+    whole = [outcome for outcome in rounds if outcome.solved and outcome.mesh.formulation is request.formulation]
+    if whole and whole[-1].replay and _failures(rounds, "finer") == 0:
+        mesh = whole[-1].mesh
+        finer = replace(mesh.cut(np.full(mesh.grid.steps, 2)), extra=EXTRA)
+        news = f"the solver failed; {finer.grid.steps} intervals from the last solution"
+        return Step(finer, on_grid(whole[-1].replay, finer.grid), "finer", news)
+    steps = max(outcome.mesh.grid.steps for outcome in rounds if outcome.step.kind in ("knots", "guess"))
+    if request.formulation.holds == "interval" and _failures(rounds, "guess", steps) == 0:
+        return _from_guess(request, steps, guess, "the solver failed")
+    steps = min(int(np.ceil(1.5 * steps)), MOST_STEPS)
+    mesh = replace(_uniform(request, at_knots(request.formulation), guess, steps), extra=EXTRA / 2)
+    return Step(mesh, guess, "knots", f"the solver failed; {steps} intervals from the guess")
+
+
+def _failures(rounds: Sequence[Round], kind: str, steps: int | None = None) -> int:
+    """How many rounds of that kind (and number of intervals) came to nothing."""
+    return sum(
+        outcome.step.kind == kind and not outcome.solved and steps in (None, outcome.mesh.grid.steps)
+        for outcome in rounds
+    )
 
 
 def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificate, number: int) -> Mesh:
-    """More intervals where the motion comes too near; from the third round on a larger margin, too.
+    """More intervals where the motion comes too near; from the fourth round on a larger margin, too.
 
     Pairs that the motion comes near to and that were not in the problem are added. If the judge objects to something
     else than clearance (the integration's defect on a coarse mesh), every interval is split.
@@ -119,25 +144,14 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
         short[:] = True
     near = replace(
         mesh,
-        active=_with_neighbours(mesh.active | (clear < REACH)),
-        walls=_with_neighbours(mesh.walls | (room.walls < WALL_REACH)),
+        active=mesh.active | _with_neighbours(clear < REACH),
+        walls=mesh.walls | _with_neighbours(room.walls < REACH),
     )
-    finer = _split(near, short) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
-    if number <= 2 and finer.grid.steps > mesh.grid.steps:
+    finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
+    if number <= 3 and finer.grid.steps > mesh.grid.steps:
         return finer
     deficit = request.margin - float(clear.min(initial=np.inf))
     return replace(finer, extra=float(min(mesh.extra + np.clip(deficit / 2, 0.002, 0.02), LARGEST_EXTRA)))
-
-
-def _split(mesh: Mesh, chosen: NDArray[np.bool_]) -> Mesh:
-    """The mesh with the chosen intervals (N,) halved; what is in the problem there stays in it on both halves."""
-    repeats = np.where(chosen, 2, 1)
-    return replace(
-        mesh,
-        grid=mesh.grid.split(np.flatnonzero(chosen)),
-        active=np.repeat(mesh.active, repeats, axis=0),
-        walls=np.repeat(mesh.walls, repeats, axis=0),
-    )
 
 
 def _with_neighbours(active: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -111,11 +111,20 @@ class SolveReport:
 
 @dataclass(frozen=True)
 class WarmStart:
-    """A point and multipliers to start from."""
+    """A point and multipliers to start from.
+
+    Attributes:
+        x: Variables, (n,).
+        lam_x: Multipliers of the bounds, (n,); ``None``: of the backend's own making.
+        lam_g: Multipliers of the rows, (m,).
+        push: How far an interior-point backend moves the start away from bounds it is at: the less, the nearer the
+            start is to the solution. Too little, and the iterates creep along bounds that ought to be left.
+    """
 
     x: Array
     lam_x: Array | None = None
     lam_g: Array | None = None
+    push: float = 1e-6
 
 
 class Solver(ABC):

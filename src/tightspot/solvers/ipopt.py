@@ -111,9 +111,10 @@ class Ipopt(Solver):
         if warm is not None and warm.lam_g is not None:
             options |= {
                 "warm_start_init_point": "yes",
-                "warm_start_bound_push": 1e-6,
-                "warm_start_mult_bound_push": 1e-6,
-                "mu_init": 1e-4,
+                "warm_start_bound_push": warm.push,
+                "warm_start_slack_bound_push": warm.push,
+                "warm_start_mult_bound_push": warm.push,
+                "mu_init": max(1e-4, 10 * warm.push),
             }
         return options | dict(self.options)
 

@@ -27,12 +27,14 @@ class RowBlock:
         kind: ``"dynamics"``, ``"workspace"``, ``"separation"``, ``"start"``, ``"goal"``, ...
         knot: The knot, or the interval's last knot, at which the rows hold.
         detail: What they are about, for people: "body / wall/0".
+        key: What they are about, for programs: the same numbers mean the same rows at another knot.
     """
 
     rows: slice
     kind: str
     knot: int
     detail: str = ""
+    key: tuple[int, ...] = ()
 
     def describe(self) -> str:
         """For example ``separation of body / wall/0 at knot 12``."""

@@ -1,5 +1,6 @@
 """Transcription: from scenario, vehicle, guess and formulation to a nonlinear program and back."""
 
+from tightspot.transcription.carry_over import carry_over, parents
 from tightspot.transcription.counts import Counts, counts
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.objective import EnergyForm, Objective
@@ -13,7 +14,9 @@ __all__ = [
     "Settings",
     "TimeGrid",
     "Transcription",
+    "carry_over",
     "counts",
+    "parents",
     "resample",
     "transcribe",
 ]

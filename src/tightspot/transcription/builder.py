@@ -50,7 +50,8 @@ class Builder:
         self.penalty: Any = 0.0
         self.final_time = ca.SX.sym("t_f")
         self._parameters()
-        self.intervals = settings.poses if settings.formulation.holds == "interval" else 1
+        self.pieces = settings.pieces(grid.steps)
+        self.lines: dict[tuple[int, int, int], slice] = {}
 
     def _parameters(self) -> None:
         """Numbers that may change without rebuilding: weights, margins, obstacles."""
@@ -135,19 +136,29 @@ class Builder:
         self._append(symbol, lower, upper, start)
         return symbol, place
 
-    def _rows(self, expression: Any, lower: Array, upper: Array, kind: str, knot: int, detail: str = "") -> None:
+    def _rows(
+        self,
+        expression: Any,
+        lower: Array,
+        upper: Array,
+        kind: str,
+        knot: int,
+        detail: str = "",
+        key: tuple[int, ...] = (),
+    ) -> None:
         self.g.append(ca.vec(expression))
         self.lbg.append(lower)
         self.ubg.append(upper)
-        self.blocks.append(RowBlock(slice(self.m, self.m + lower.size), kind, knot, detail))
+        self.blocks.append(RowBlock(slice(self.m, self.m + lower.size), kind, knot, detail, key))
         self.m += lower.size
 
     def _driven(self, k: int, states: list[Any], inputs: list[Any]) -> list[Any]:
         """States integrated from the beginning of interval [t_{k-1}, t_k] to the ends of its sub-intervals."""
-        step = self.final_time * float(self.grid.widths[k - 1]) / self.intervals
-        substeps = -(-self.settings.substeps // self.intervals)
+        pieces = self.pieces[k - 1]
+        step = self.final_time * float(self.grid.widths[k - 1]) / pieces
+        substeps = -(-self.settings.substeps // pieces)
         driven = [states[k - 1]]
-        for _ in range(self.intervals):
+        for _ in range(pieces):
             driven.append(rk4(self.vehicle, driven[-1], inputs[k - 1], step, substeps))
         return driven[1:]
 
@@ -193,21 +204,26 @@ class Builder:
         middle = ca.vertsplit((states[k - 1] + states[k]) / 2)
         control = ca.vertsplit(inputs[k - 1])
         bound = self.vehicle.acceleration_bound(part.frame, part.polygon.radius, middle, control, step / 2, ca)
-        return bound * (step / self.intervals) ** 2 / 8
+        return bound * (step / self.pieces[k - 1]) ** 2 / 8
 
     def _workspace_rows(self, k: int, part_index: int, samples: list[Any], fixed: list[bool], cover: Any) -> None:
-        """Eq. (13): every vertex of the part satisfies E q <= f, for the half-planes that are in the program."""
+        """Eq. (13): every vertex of the part satisfies E q <= f, for the half-planes that are in the program.
+
+        With a cover the rows stand at both ends of the interval: the cover is the interval's own.
+        """
         part, walls = self.vehicle.parts[part_index], self.walls[k - 1, part_index]
         if not walls.any():
             return
         E, f = ca.DM(self.workspace.A[walls]), ca.DM(self.workspace.b[walls])
         demanded = self.workspace_margin + cover
-        first = 0 if len(samples) == 1 else 1
-        for pose, state_fixed in list(zip(self._poses(part, samples), fixed, strict=True))[first:]:
+        given_start = k == 1 and len(samples) > 1 and fixed[0]
+        for index, (pose, state_fixed) in enumerate(zip(self._poses(part, samples), fixed, strict=True)):
+            if index == 0 and given_start:
+                continue
             pair = Pair((pose,), part.polygon.vertices, part.polygon.A, part.polygon.b, None, None, None, (0,))
             outside = pair.body_vertices(0) @ E.T - ca.repmat(f.T, len(part.polygon.vertices), 1)
             rows = at_most(outside + (0.0 if state_fixed else demanded))
-            self._rows(*rows, "workspace", k, part.name)
+            self._rows(*rows, "workspace", k, part.name, (part_index, index))
 
     def _separation_rows(
         self,
@@ -228,18 +244,19 @@ class Builder:
         pair = Pair(self._poses(part, samples), poly.vertices, poly.A, poly.b, *symbols, margins)
         lower, upper = formulation.auxiliary_bounds(len(poly.vertices), len(polygon.vertices))
         start = formulation.start(self._guess_poses(k, part, guess), poly, polygon)[0]
-        auxiliary, _ = self._variables(f"aux{k}_{part_index}_{obstacle_index}", lower, upper, start)
+        auxiliary, place = self._variables(f"aux{k}_{part_index}_{obstacle_index}", lower, upper, start)
+        self.lines[k - 1, part_index, obstacle_index] = place
         self.penalty += self.final_time * float(self.grid.widths[k - 1]) * formulation.penalty(auxiliary)
         detail = f"{part.name} against obstacle part {obstacle_index}"
-        for rows in formulation.rows(auxiliary, pair):
-            self._rows(*rows, "separation", k, detail)
+        for index, rows in enumerate(formulation.rows(auxiliary, pair)):
+            self._rows(*rows, "separation", k, detail, (part_index, obstacle_index, index))
 
     def _guess_poses(self, k: int, part: BodyPart, guess: Trajectory) -> Array:
         """The guess's poses of a part on interval [t_{k-1}, t_k], (1, P, 3)."""
         if self.settings.formulation.holds == "knots":
             states = guess.states[k : k + 1]
         else:
-            weights = np.linspace(0.0, 1.0, self.intervals + 1)[:, None]
+            weights = np.linspace(0.0, 1.0, self.pieces[k - 1] + 1)[:, None]
             states = (1 - weights) * guess.states[k - 1] + weights * guess.states[k]
         x, y, theta = self.vehicle.frames(list(states.T), np)[part.frame]
         return np.column_stack([x, y, theta])[None]

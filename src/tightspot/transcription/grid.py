@@ -51,11 +51,20 @@ class TimeGrid:
         """A grid in which each of the named intervals (0 to N - 1) is cut into ``parts`` equal ones."""
         if parts < 1:
             raise InputError(Problem("parts", f"{parts} is too few; an interval is cut into 1 or more"))
-        chosen = set(np.atleast_1d(np.asarray(intervals, int)).tolist())
-        for k in chosen - set(range(self.steps)):
+        chosen = np.atleast_1d(np.asarray(intervals, int))
+        for k in chosen[(chosen < 0) | (chosen >= self.steps)]:
             raise InputError(Problem("intervals", f"{k} is not an interval of a grid of {self.steps}"))
-        fractions = [self.fractions[:1]]
-        for k in range(self.steps):
-            pieces = parts if k in chosen else 1
-            fractions.append(np.linspace(self.fractions[k], self.fractions[k + 1], pieces + 1)[1:])
-        return TimeGrid(np.concatenate(fractions))
+        pieces = np.ones(self.steps, int)
+        pieces[chosen] = parts
+        return self.cut(pieces)
+
+    def cut(self, pieces: ArrayLike) -> TimeGrid:
+        """A grid in which interval k is cut into ``pieces[k]`` equal ones, 1 or more; ``pieces`` is (N,)."""
+        counts = np.asarray(pieces, int)
+        if counts.shape != (self.steps,) or (counts < 1).any():
+            raise InputError(Problem("pieces", f"must be {self.steps} numbers, one an interval, 1 or more each"))
+        knots = [
+            np.linspace(before, after, count + 1)[1:]
+            for before, after, count in zip(self.fractions[:-1], self.fractions[1:], counts, strict=True)
+        ]
+        return TimeGrid(np.concatenate([self.fractions[:1], *knots]))

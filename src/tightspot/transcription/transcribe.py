@@ -5,6 +5,7 @@ The only room that knows both the horizon and a formulation.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -37,7 +38,8 @@ class Settings:
             the same as ``margin``.
         workspace_margin: Demanded distance of the body from W's boundary at free poses, m.
         substeps: RK4 steps an interval.
-        poses: Sub-intervals whose end poses carry rows, for formulations that hold on the interval.
+        poses: Sub-intervals whose end poses carry rows, for formulations that hold on the interval; one number for
+            all intervals, or one each.
         final_time: Bounds of the free final time, s, or one number to fix it.
         penalty_weight: What the time integral of a soft formulation's penalty is multiplied with, 1/(m s); others have
             none.
@@ -50,17 +52,14 @@ class Settings:
     end_margin: float | None = None
     workspace_margin: float = 0.0
     substeps: int = 4
-    poses: int = 2
+    poses: int | tuple[int, ...] = 2
     final_time: float | tuple[float, float] = (0.1, 1000.0)
     penalty_weight: float = 100.0
     heading_limit: float = np.inf
 
     def __post_init__(self) -> None:
-        problems = [
-            Problem(name, f"{getattr(self, name)} must be at least 1")
-            for name in ("substeps", "poses")
-            if getattr(self, name) < 1
-        ]
+        counts = {"substeps": self.substeps, "poses": min(np.atleast_1d(self.poses), default=0)}
+        problems = [Problem(name, f"{count} must be at least 1") for name, count in counts.items() if count < 1]
         for name in ("margin", "end_margin", "workspace_margin"):
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value >= 0):
@@ -74,6 +73,19 @@ class Settings:
             problems.append(Problem("heading_limit", f"{self.heading_limit} rad must be positive"))
         if problems:
             raise InputError(problems)
+
+    def pieces(self, steps: int) -> tuple[int, ...]:
+        """Sub-intervals of each of the ``steps`` intervals: 1 for formulations that hold at the knots.
+
+        Raises:
+            InputError: ``poses`` has another length.
+        """
+        if self.formulation.holds == "knots":
+            return (1,) * steps
+        poses = (self.poses,) * steps if isinstance(self.poses, int) else self.poses
+        if len(poses) != steps:
+            raise InputError(Problem("poses", f"has {len(poses)} numbers for {steps} intervals; give one or {steps}"))
+        return poses
 
     @property
     def final_time_bounds(self) -> tuple[float, float]:
@@ -93,6 +105,7 @@ class Transcription:
         settings: What was asked for.
         active: Which pairs are in the program, (N, parts, obstacle parts) booleans, by interval.
         vehicle: Whose dynamics.
+        lines: Where each pair's auxiliary variables are in x, by (interval, part, obstacle part).
     """
 
     nlp: Nlp
@@ -100,6 +113,7 @@ class Transcription:
     settings: Settings
     active: NDArray[np.bool_]
     vehicle: VehicleModel
+    lines: Mapping[tuple[int, int, int], slice]
 
     def trajectory(self, x: Array) -> Trajectory:
         """The trajectory that the variables x describe."""
@@ -171,7 +185,7 @@ def transcribe(
     settings = _with_usable_margins(settings)
     builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active, walls)
     nlp = builder.build(start, goal, onto_grid)
-    return Transcription(nlp, grid, settings, active, vehicle)
+    return Transcription(nlp, grid, settings, active, vehicle, builder.lines)
 
 
 def _misfits(vehicle: VehicleModel, guess: Trajectory, settings: Settings, ends: dict[str, Array]) -> list[Problem]:

@@ -12,7 +12,7 @@ from tightspot.errors import Problem, VehicleError
 from tightspot.geometry.polygon import ConvexPolygon
 from tightspot.vehicles.base import Array, BodyPart, MathNamespace, MotionBounds, VehicleModel
 
-_SMOOTH_ACCELERATION, _SMOOTH_RATE, _SMOOTH_SPEED = 0.02, 0.01, 0.02
+_SMOOTH_ACCELERATION, _SMOOTH_RATE, _SMOOTH_SPEED, _SMOOTH_STEERING = 0.02, 0.01, 0.02, 0.02
 
 
 @dataclass(frozen=True)
@@ -144,17 +144,24 @@ class SingleTrack(VehicleModel):
     ) -> Any:
         """See :meth:`VehicleModel.acceleration_bound`.
 
-        With ``V = |v_mid| + |a| half`` and ``kappa = tan(delta_max)/L``, the bounds of :meth:`motion_bounds` give
-        ``|a| + V^2 kappa + rho (|a| kappa + V |omega| (1 + tan(delta_max)^2)/L + V^2 kappa^2)``; absolute values
-        are smoothed upwards, ``|z| <= sqrt(z^2 + s^2)``.
+        v and delta are linear in time, so ``V = |v_mid| + |a| half`` and ``D = |delta_mid| + |omega| half`` are their
+        largest absolute values. tan is convex on [0, delta_max], so ``tan(D) <= D tan(delta_max) / delta_max``; with
+        ``kappa`` that divided by L and ``r = V kappa``, the bounds of :meth:`motion_bounds` give::
+
+            sqrt(a^2 + (V r)^2) + rho sqrt((|a| kappa + V |omega| (1 + tan(delta_max)^2) / L)^2 + r^4)
+
+        Absolute values are smoothed upwards, ``|z| <= sqrt(z^2 + s^2)``. It holds while ``|delta| <= delta_max``.
         """
-        tangent = float(np.tan(self.limits.steering))
-        kappa = tangent / self.wheelbase
+        tangent, limit = ns.tan(self.limits.steering), self.limits.steering
         a = ns.sqrt(control[0] ** 2 + _SMOOTH_ACCELERATION**2)
         omega = ns.sqrt(control[1] ** 2 + _SMOOTH_RATE**2)
         speed = ns.sqrt(middle[3] ** 2 + _SMOOTH_SPEED**2) + a * half
-        rotation = a * kappa + speed * omega * (1 + tangent**2) / self.wheelbase + (speed * kappa) ** 2
-        return a + speed**2 * kappa + rho * rotation
+        steering = ns.sqrt(middle[4] ** 2 + _SMOOTH_STEERING**2) + omega * half
+        kappa = steering * tangent / (limit * self.wheelbase)
+        yaw_rate = speed * kappa
+        yaw_acceleration = a * kappa + speed * omega * (1 + tangent**2) / self.wheelbase
+        centre = ns.sqrt(a**2 + (speed * yaw_rate) ** 2)
+        return centre + rho * ns.sqrt(yaw_acceleration**2 + yaw_rate**4)
 
     def to_dict(self) -> dict[str, Any]:
         return {
