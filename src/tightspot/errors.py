@@ -55,6 +55,21 @@ class SceneError(InputError):
     """A scene file or scenario is inconsistent."""
 
 
+class BlockedError(SceneError):
+    """The vehicle cannot stand at the start or at the goal.
+
+    Attributes:
+        ends: For each end that is blocked by what, how deep, and what would free it; see
+            :class:`tightspot.scenarios.Blocked`.
+        explanation: The same as :class:`tightspot.Explanation`, if :func:`tightspot.plan` raised it, else ``None``.
+    """
+
+    def __init__(self, problems: str | Problem | Sequence[Problem], ends: Sequence[Any] = ()) -> None:
+        super().__init__(problems)
+        self.ends: tuple[Any, ...] = tuple(ends)
+        self.explanation: Any = None
+
+
 class VehicleError(InputError):
     """A vehicle description is inconsistent or unknown."""
 
@@ -75,13 +90,21 @@ class PlanningError(TightspotError):
         trajectory: The last iterate or ``None``. It is *not* a plan: it may collide.
         witness: Where and when the last iterate collides, or ``None``.
         report: What was tried, as plain data.
+        explanation: Why, with numbers, and what to change: a :class:`tightspot.Explanation`, or ``None``.
     """
 
     def __init__(
-        self, reason: str, *, trajectory: Any = None, witness: Any = None, report: dict[str, Any] | None = None
+        self,
+        reason: str,
+        *,
+        trajectory: Any = None,
+        witness: Any = None,
+        report: dict[str, Any] | None = None,
+        explanation: Any = None,
     ) -> None:
         super().__init__(reason)
         self.reason = reason
         self.trajectory = trajectory
         self.witness = witness
         self.report = report or {}
+        self.explanation = explanation

@@ -43,7 +43,7 @@ def test_an_overlap_names_obstacle_depth_and_a_way_out(problems):
     found = problems(lambda: check(scene([box(5, 5), box(3.5, -1)]), PAPER, 0.05))
     assert list(found) == ["start"]
     assert "overlaps obstacle 'o1' by 0.199 m" in found["start"]
-    assert "moved by (-0.25, +0.00) m it would fit" in found["start"]
+    assert "it would fit moved by (-0.250, +0.000) m" in found["start"]
 
 
 @pytest.mark.parametrize("margin", [0.05, 0.3])
@@ -59,15 +59,15 @@ def test_the_remedy_cures_all_obstacles_at_once(obstacles, margin):
 
 
 def test_no_way_out_is_said(problems):
-    found = problems(lambda: check(scene([box(-9, -9, 18, 18)]), PAPER, 0.05))
-    assert "no place within 2 m" in found["start"]
+    found = problems(lambda: check(scene([box(-25, -25, 50, 50)]), PAPER, 0.05))
+    assert "it fits nowhere in the workspace" in found["start"]
 
 
 def test_too_near_tells_the_distance_and_the_margin_that_would_do(problems):
     tight = scene([box(3.709, -1)])
     found = problems(lambda: check(tight, PAPER, 0.05))
     assert "0.010 m from obstacle 'o0', nearer than the margin of 0.05 m" in found["start"]
-    assert "lower the margin to 0.01 m" in found["start"]
+    assert "or with a margin of 0.01 m" in found["start"]
     check(tight, PAPER, 0.0099)
 
 
@@ -78,7 +78,7 @@ def test_exactly_the_margin_is_enough():
 def test_out_of_the_workspace_says_by_how_much_and_on_which_side(problems):
     found = problems(lambda: check(scene([], start=(16.5, 0, 0)), PAPER, 0.05))
     assert "0.199 m out of the workspace on its right (+x) side" in found["start"]
-    assert "moved by (-0.20, +0.00) m it would fit" in found["start"]
+    assert "it would fit moved by (-0.200, +0.000) m" in found["start"]
     slanted = [[-20, -20], [20, -20], [20, 1], [-20, 2]]
     found = problems(lambda: check(scene([], start=(0, 0.8, 0), workspace=slanted), PAPER, 0.05))
     assert "out of the workspace on its (0.02, 1.00) side" in found["start"]

@@ -1,5 +1,6 @@
 """Scenes: what they are, the built-in ones, files, and whether a vehicle can stand at start and goal."""
 
+from tightspot.scenarios.blocked import Blocked, blocked
 from tightspot.scenarios.check import check
 from tightspot.scenarios.clearances import Clearance, clearance, clearances, workspace_excess
 from tightspot.scenarios.library import builtin, names, summaries
@@ -10,10 +11,12 @@ from tightspot.scenarios.schema import json_schema
 
 __all__ = [
     "READERS",
+    "Blocked",
     "Clearance",
     "Obstacle",
     "Scenario",
     "Tolerance",
+    "blocked",
     "builtin",
     "check",
     "clearance",

@@ -46,7 +46,7 @@ def clearances(scenario: Scenario, vehicle: VehicleModel, state: Array, reach: f
         (index, part.vertices)
         for index, obstacle in enumerate(scenario.obstacles)
         for part in obstacle.parts
-        if _box_distance(corners, part.vertices) <= reach
+        if box_distance(corners, part.vertices) <= reach
     ]
     if not near:
         return []
@@ -93,7 +93,7 @@ def padded_vertices(polygons: list[Array]) -> Array:
     return np.stack([np.vstack([v, np.repeat(v[-1:], n - len(v), axis=0)]) for v in polygons])
 
 
-def _box_distance(p: Array, q: Array) -> float:
+def box_distance(p: Array, q: Array) -> float:
     """Distance of two point sets' bounding boxes, a lower bound of that of their hulls, m."""
     gaps = np.maximum(q.min(axis=0) - p.max(axis=0), p.min(axis=0) - q.max(axis=0))
     return float(np.hypot(*np.maximum(gaps, 0.0)))
