@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -12,102 +11,76 @@ from numpy.typing import ArrayLike, NDArray
 from tightspot.errors import GeometryError, Problem
 from tightspot.geometry.diagonals import Outline, few_diagonals
 from tightspot.geometry.polygon import ConvexPolygon
-from tightspot.geometry.rings import Ring, clean_ring, tolerance
+from tightspot.geometry.rings import clean_ring, tolerance
+from tightspot.geometry.solids import solid_polygons
 
 Array = NDArray[np.float64]
+
+MOST_GROWTH = 1e-3
+"""A polygon whose boundary almost touches itself is grown by no more than this, m."""
 
 
 def decompose(exterior: ArrayLike, holes: Sequence[ArrayLike] = (), name: str = "") -> tuple[ConvexPolygon, ...]:
     """Convex parts whose union is the polygon and whose interiors are disjoint.
 
-    No vertex is invented: the parts' corners are the polygon's, so the cover is exact. A convex polygon comes
-    back as one part. The number of parts is the smallest found by a bounded search (see
-    :mod:`tightspot.geometry.diagonals`), at most ``2 r + 1`` for r reflex vertices.
+    No vertex is invented: the parts' corners are the polygon's, so the cover is exact. (Only if parts of the
+    boundary are apart by no more than rounding, the polygon is grown by what it takes to close the gap, at most
+    1e-5 of its extent and 1 mm: the cover is never too small.) A convex polygon comes back as one part. The number
+    of parts is the smallest found by a bounded search (see :mod:`tightspot.geometry.diagonals`), at most ``2 r + 1``
+    for r reflex vertices.
 
     Args:
-        exterior: Shape (n, 2), m. Any winding, open or closed, repeated and collinear vertices are dropped.
+        exterior: Shape (n, 2), m. Any winding, open or closed, repeated and collinear vertices are dropped. It may
+            touch itself (see :mod:`tightspot.geometry.solids`).
         holes: The same for each hole. Holes may touch each other or the exterior in single points.
         name: What the polygon is called in messages, for example ``obstacles[2].vertices``. Paths in the
             messages are ``name[i]`` and ``name.holes[j][i]``; without a name ``[i]`` and ``holes[j][i]``.
 
     Raises:
-        GeometryError: Not finite, fewer than three distinct vertices or zero area, a boundary that crosses or
-            touches itself, a hole that reaches outside, holes that overlap or cut the polygon into pieces.
+        GeometryError: Not finite, fewer than three distinct vertices or zero area, a boundary that crosses
+            itself, a hole that reaches outside, holes that overlap or cut the polygon into pieces.
 
     >>> len(decompose([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]))
     2
     """
-    hole_names = [f"{name}.holes[{j}]".lstrip(".") for j in range(len(holes))]
-    shell, inner = _clean_rings(exterior, holes, name, hole_names)
-    _check(shell, inner, name, hole_names)
-    rings = [shell.vertices, *(ring.vertices[::-1] for ring in inner)]
-    parts = _parts(_outline(rings))
-    if not parts:
-        raise GeometryError(
-            Problem(
-                name,
-                "parts of the boundary are apart by no more than rounding; "
-                "let them touch in a vertex or move them apart",
-            )
-        )
-    return parts
+    return convex_parts(solid_polygons(exterior, holes, name), name)
 
 
-def _clean_rings(
-    exterior: ArrayLike, holes: Sequence[ArrayLike], name: str, hole_names: list[str]
-) -> tuple[Ring, list[Ring]]:
-    rings: list[Ring] = []
-    problems: list[Problem] = []
-    for points, path in zip((exterior, *holes), (name, *hole_names), strict=True):
-        try:
-            rings.append(clean_ring(points, path))
-        except GeometryError as error:
-            problems += error.problems
-    if problems:
-        raise GeometryError(problems)
-    return rings[0], rings[1:]
+def convex_parts(polygons: Sequence[shapely.Polygon], name: str = "") -> tuple[ConvexPolygon, ...]:
+    """What :func:`decompose` says, for valid polygons, one after the other.
 
+    Args:
+        polygons: With holes or without, their interiors disjoint.
+        name: What they are called in messages.
 
-def _check(shell: Ring, holes: list[Ring], name: str, hole_names: list[str]) -> None:
-    """Refuse what is no polygon, naming the ring and the place."""
-    problems = [
+    Raises:
+        GeometryError: A polygon has no area, or is thinner than the rounding of its coordinates.
+    """
+    for solid in (list(polygons), *_grown(polygons)):
+        found = [_parts(piece) for piece in solid]
+        if all(found):
+            return tuple(part for parts in found for part in parts)
+    raise GeometryError(
         Problem(
-            path,
-            f"the boundary crosses or touches itself{_place(ring)}; list the corners once around, in order",
+            name,
+            "parts of the boundary are apart by no more than rounding; let them touch in a vertex or move them apart",
         )
-        for ring, path in zip((shell, *holes), (name, *hole_names), strict=True)
-        if not shapely.LinearRing(ring.vertices).is_simple
-    ]
-    if problems:
-        raise GeometryError(problems)
-    outside, filled = shapely.Polygon(shell.vertices), [shapely.Polygon(ring.vertices) for ring in holes]
-    for j, hole in enumerate(filled):
-        if not outside.covers(hole):
-            problems.append(Problem(hole_names[j], "the hole reaches outside the exterior; move it inside"))
-        for k in range(j):
-            if hole.intersection(filled[k]).area > 0:
-                problems.append(Problem(hole_names[j], f"the hole overlaps {hole_names[k]}; make one hole of the two"))
-    if problems:
-        raise GeometryError(problems)
-    polygon = shapely.Polygon(shell.vertices, [ring.vertices for ring in holes])
-    if not polygon.is_valid:
-        raise GeometryError(
-            Problem(
-                name,
-                f"holes share an edge or cut the polygon into pieces{_where(polygon)}; "
-                "holes may touch only in single points and must leave the rest connected",
-            )
-        )
+    )
 
 
-def _place(ring: Ring) -> str:
-    return _where(shapely.Polygon(ring.vertices))
+def _grown(polygons: Sequence[shapely.Polygon]) -> Iterator[list[shapely.Polygon]]:
+    """The polygons grown by less and less little, at most 1 mm, so that what almost touches runs together."""
+    extent = np.ptp(np.concatenate([shapely.get_coordinates(piece) for piece in polygons]), axis=0).max()
+    for growth in extent * np.array([1e-8, 1e-7, 1e-6, 1e-5]):
+        if growth <= MOST_GROWTH:
+            solid = shapely.union_all([piece.buffer(growth, join_style="mitre", mitre_limit=2) for piece in polygons])
+            yield list(shapely.get_parts(solid))
 
 
-def _where(polygon: shapely.Polygon) -> str:
-    """The place that shapely names in its reason for an invalid polygon."""
-    match = re.search(r"\[(\S+) (\S+)\]", shapely.is_valid_reason(polygon))
-    return f" at ({float(match[1]):g}, {float(match[2]):g})" if match else ""
+def _rings(polygon: shapely.Polygon) -> list[Array]:
+    """The cleaned rings of a valid polygon, the exterior counter-clockwise and the holes clockwise."""
+    exterior, *holes = (clean_ring(shapely.get_coordinates(r)).vertices for r in (polygon.exterior, *polygon.interiors))
+    return [exterior, *(hole[::-1] for hole in holes)]
 
 
 def _outline(rings: list[Array]) -> Outline:
@@ -134,13 +107,14 @@ def _with_touching_points(i: int, rings: list[Array]) -> Array:
     return np.concatenate(pieces)
 
 
-def _parts(outline: Outline) -> tuple[ConvexPolygon, ...]:
-    """The convex parts in a reproducible order, none if rounding keeps them from covering the outline."""
-    diagonals = few_diagonals(outline)
-    if diagonals is None:
-        return ()
-    faces = _faces(outline, diagonals) if len(diagonals) else [outline.points[outline.rings[0]]]
+def _parts(polygon: shapely.Polygon) -> tuple[ConvexPolygon, ...]:
+    """The convex parts in a reproducible order, none if rounding keeps them from covering the polygon."""
     try:
+        outline = _outline(_rings(polygon))
+        diagonals = few_diagonals(outline)
+        if diagonals is None:
+            return ()
+        faces = _faces(outline, diagonals) if len(diagonals) else [outline.points[outline.rings[0]]]
         parts = tuple(ConvexPolygon.from_vertices(face) for face in faces)
     except GeometryError:
         return ()
@@ -153,6 +127,7 @@ def _faces(outline: Outline, diagonals: NDArray[np.intp]) -> list[Array]:
     sides = (np.stack([ring, np.roll(ring, -1)], axis=1) for ring in outline.rings)
     lines = shapely.linestrings(outline.points[np.concatenate([*sides, diagonals])])
     faces = shapely.get_parts(shapely.polygonize(lines))
+    shapely.prepare(outline.polygon)
     inside = shapely.contains_properly(outline.polygon, shapely.point_on_surface(faces))
     solid = shapely.area(faces) > tolerance(outline.points) ** 2
     rings = [shapely.get_coordinates(face)[:-1] for face in faces[inside & solid]]

@@ -21,6 +21,10 @@ LARGEST_COORDINATE = 1e9
 SMALLEST_EXTENT = 1e-9
 
 
+class DoublesBackError(GeometryError):
+    """The boundary turns round at a vertex and runs back along itself."""
+
+
 class Ring(NamedTuple):
     """A cleaned ring.
 
@@ -84,24 +88,34 @@ def clean_ring(points: ArrayLike, path: str = "vertices") -> Ring:
 
     Raises:
         GeometryError: Not finite, fewer than three distinct points, all on one line, or doubling back on
-            itself.
+            itself (:class:`DoublesBackError`).
     """
     array = as_points(points, path)
-    tol = tolerance(array)
-    index = _without_repeated(array, tol)
-    if _extent(array) < SMALLEST_EXTENT or index.size < 3:
-        raise GeometryError(
-            Problem(
-                path,
-                f"of {len(array)} points fewer than three are distinct; give three corners or more",
-            )
-        )
-    if _on_one_line(array[index], tol):
-        raise GeometryError(Problem(path, "the polygon has zero area: all its points lie on one line"))
-    index = _without_collinear(array, index, tol, path)
+    index = distinct(array, path)
+    index = _without_collinear(array, index, tolerance(array), path)
     if signed_area(array[index]) < 0:
         index = np.roll(index[::-1], 1)
     return Ring(array[index], index)
+
+
+def distinct(points: Array, path: str = "vertices") -> NDArray[np.intp]:
+    """Indices of the points (n, 2) that are not repeated one after the other.
+
+    Raises:
+        GeometryError: Fewer than three are distinct, or all lie on one line.
+    """
+    tol = tolerance(points)
+    index = _without_repeated(points, tol)
+    if _extent(points) < SMALLEST_EXTENT or index.size < 3:
+        raise GeometryError(
+            Problem(
+                path,
+                f"of {len(points)} points fewer than three are distinct; give three corners or more",
+            )
+        )
+    if _on_one_line(points[index], tol):
+        raise GeometryError(Problem(path, "the polygon has zero area: all its points lie on one line"))
+    return index
 
 
 def _extent(points: Array) -> float:
@@ -151,7 +165,7 @@ def _is_straight(previous: Array, vertex: Array, following: Array, tol: float, p
     if cross > tol * max(lengths):
         return False
     if float(arriving @ leaving) < 0:
-        raise GeometryError(
+        raise DoublesBackError(
             Problem(
                 path,
                 f"the boundary doubles back on itself at {_point(vertex)}; "
