@@ -18,6 +18,7 @@ import numpy as np
 import shapely
 
 STEP = 1e-3
+PIECE = 0.1
 GOAL_POSITION = 0.01
 GOAL_HEADING = math.radians(1)
 KNOTS = 5e-3
@@ -34,6 +35,7 @@ class Replay:
         clearance: Smallest distance of body and obstacles in any frame, m; 0 if they overlap.
         overlaps: Times of the frames that overlap an obstacle, s.
         outside: Largest distance of a frame's corner beyond the workspace, m.
+        room: Smallest distance of a frame inside the workspace from its boundary, m; minus ``outside`` if it leaves.
         goal_position: Distance of the last pose from the goal, m.
         goal_heading: Angle between the last pose and the goal, rad.
         knots: Largest distance of a stored knot from the replay, m.
@@ -44,6 +46,7 @@ class Replay:
     clearance: float
     overlaps: tuple[float, ...]
     outside: float
+    room: float
     goal_position: float
     goal_heading: float
     knots: float
@@ -84,19 +87,16 @@ def replay(plan: dict[str, Any]) -> Replay:
         shapely.Polygon(np.array(o["vertices"]) - origin, [np.array(hole) - origin for hole in o.get("holes", [])])
         for o in plan["scenario"]["obstacles"]
     ]
-    clearance, hit = math.inf, np.zeros(len(motion), bool)
-    for obstacle in obstacles:
-        shapely.prepare(obstacle)
-        for part in frames:
-            clearance = min(clearance, float(shapely.distance(part, obstacle).min()))
-            hit |= shapely.intersects(part, obstacle)
+    clearance, hit = _clearance(frames, obstacles)
+    room = _room(shapely.Polygon(np.array(plan["scenario"]["workspace"]) - origin), frames)
     goal, last = plan["scenario"]["goal"], motion[-1]
     knots = np.column_stack([states["x"], states["y"]]) - origin
     return Replay(
         frames=len(motion),
         clearance=clearance,
         overlaps=tuple(motion[hit, 0].tolist()),
-        outside=_outside(plan, frames, origin),
+        outside=max(0.0, -room),
+        room=room,
         goal_position=math.hypot(last[1] - (goal["x"] - origin[0]), last[2] - (goal["y"] - origin[1])),
         goal_heading=abs(math.remainder(last[3] - goal["theta"], math.tau)),
         knots=float(np.hypot(*(at_knots[:, 1:3] - knots).T).max()),
@@ -105,39 +105,48 @@ def replay(plan: dict[str, Any]) -> Replay:
 
 
 def integrate(plan: dict[str, Any], origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows (t, x, y, theta, v, delta) at every millisecond, and at the knots; relative to ``origin``."""
-    trajectory = plan["trajectory"]
-    wheelbase = plan["vehicle"]["wheelbase"]
-    times, inputs = trajectory["t"], trajectory["inputs"]
-    names = ("x", "y", "theta", "v", "delta")
-    state = [trajectory["states"][name][0] for name in names]
-    state = [state[0] - origin[0], state[1] - origin[1], *state[2:]]
-    rows, knots = [[times[0], *state]], [[times[0], *state]]
-    for k, (a, omega) in enumerate(zip(inputs["a"], inputs["omega"], strict=True)):
-        steps = max(1, math.ceil((times[k + 1] - times[k]) / STEP))
-        h = (times[k + 1] - times[k]) / steps
-        for i in range(steps):
-            state = _step(state, a, omega, wheelbase, h)
-            rows.append([times[k] + (i + 1) * h, *state])
-        knots.append(rows[-1])
-    return np.array(rows), np.array(knots)
+    """Rows (t, x, y, theta, v, delta) at every millisecond, and at the knots; relative to ``origin``.
+
+    Pieces of at most ``PIECE`` seconds are integrated all at once, each from its own rear axle, and then put end
+    to end.
+    """
+    t, inputs, first = (plan["trajectory"][key] for key in ("t", "inputs", "states"))
+    t, u = np.array(t, float), np.array([inputs["a"], inputs["omega"]], float)
+    pieces = np.maximum(1, np.ceil(np.diff(t) / PIECE).astype(int))
+    u = np.repeat(u, pieces, axis=1)
+    lengths = np.repeat(np.diff(t) / pieces, pieces)
+    starts = np.concatenate([a + (b - a) / n * np.arange(n) for a, b, n in zip(t, t[1:], pieces, strict=False)])
+    steps = np.maximum(1, np.ceil(lengths / STEP).astype(int))
+    h = lengths / steps
+    begin = np.array([first["v"][0], first["delta"][0]])[:, None] + np.cumsum(u * lengths, axis=1) - u * lengths
+    state = np.vstack([np.zeros((3, lengths.size)), begin])
+    moved = np.empty((steps.max(), *state.shape))
+    for i in range(steps.max()):
+        state = moved[i] = _step(state, u, plan["vehicle"]["wheelbase"], h)
+    x, y, theta = first["x"][0] - origin[0], first["y"][0] - origin[1], first["theta"][0]
+    rows = [np.array([[t[0], x, y, theta, *begin[:, 0]]])]
+    for k, n in enumerate(steps):
+        _, x, y, theta, _, _ = rows[-1][-1]
+        c, s = math.cos(theta), math.sin(theta)
+        dx, dy, turn, v, delta = moved[:n, :, k].T
+        times = starts[k] + h[k] * np.arange(1, n + 1)
+        rows.append(np.column_stack([times, x + c * dx - s * dy, y + s * dx + c * dy, theta + turn, v, delta]))
+    at_knots = [0, *np.cumsum(pieces)]
+    return np.concatenate(rows), np.stack([rows[place][-1] for place in at_knots])
 
 
-def _step(state: list[float], a: float, omega: float, wheelbase: float, h: float) -> list[float]:
-    """One step of the classical Runge-Kutta method."""
+def _step(state: np.ndarray, u: np.ndarray, wheelbase: float, h: np.ndarray) -> np.ndarray:
+    """One step of the classical Runge-Kutta method for states (5, N) and inputs (2, N)."""
 
-    def rate(s: list[float]) -> list[float]:
+    def rate(s: np.ndarray) -> np.ndarray:
         _, _, theta, v, delta = s
-        return [v * math.cos(theta), v * math.sin(theta), v * math.tan(delta) / wheelbase, a, omega]
-
-    def ahead(slope: list[float], by: float) -> list[float]:
-        return [s + by * r for s, r in zip(state, slope, strict=True)]
+        return np.stack([v * np.cos(theta), v * np.sin(theta), v * np.tan(delta) / wheelbase, *u])
 
     k1 = rate(state)
-    k2 = rate(ahead(k1, h / 2))
-    k3 = rate(ahead(k2, h / 2))
-    k4 = rate(ahead(k3, h))
-    return [s + h / 6 * (p + 2 * q + 2 * r + w) for s, p, q, r, w in zip(state, k1, k2, k3, k4, strict=True)]
+    k2 = rate(state + h / 2 * k1)
+    k3 = rate(state + h / 2 * k2)
+    k4 = rate(state + h * k3)
+    return state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
 def body_frames(vehicle: dict[str, Any], poses: np.ndarray) -> list[np.ndarray]:
@@ -153,10 +162,39 @@ def body_frames(vehicle: dict[str, Any], poses: np.ndarray) -> list[np.ndarray]:
     return frames
 
 
-def _outside(plan: dict[str, Any], frames: list[np.ndarray], origin: np.ndarray) -> float:
-    workspace = shapely.Polygon(np.array(plan["scenario"]["workspace"]) - origin)
-    corners = np.concatenate([shapely.get_coordinates(part) for part in frames])
-    return float(shapely.distance(shapely.points(corners), workspace).max())
+def _clearance(frames: list[np.ndarray], obstacles: list[shapely.Polygon]) -> tuple[float, np.ndarray]:
+    """Smallest distance of any frame from any obstacle, m, and which frames overlap one.
+
+    A frame is passed over only if a point of it, the middle of its box, is farther from the obstacle than the
+    frame's box reaches plus the smallest distance known.
+    """
+    best, hit = math.inf, np.zeros(len(frames[0]), bool)
+    for part in frames:
+        low_x, low_y, high_x, high_y = shapely.bounds(part).T
+        middles = shapely.points((low_x + high_x) / 2, (low_y + high_y) / 2)
+        reach = np.hypot(high_x - low_x, high_y - low_y) / 2
+        for obstacle in obstacles:
+            far = shapely.distance(middles, obstacle) - reach
+            best = min(best, float(shapely.distance(part[far.argmin()], obstacle)))
+            near = np.flatnonzero(far <= best)
+            distance = shapely.distance(part[near], obstacle)
+            best = min(best, float(distance.min(initial=math.inf)))
+            hit[near] |= distance == 0
+    return best, hit
+
+
+def _room(workspace: shapely.Polygon, frames: list[np.ndarray]) -> float:
+    """Smallest distance of the frames inside the workspace from its boundary, m, negative if one leaves it."""
+    shapely.prepare(workspace)
+    room, boundary = math.inf, workspace.exterior
+    for part in frames:
+        out = ~shapely.covers(workspace, part)
+        if out.any():
+            corners = shapely.points(shapely.get_coordinates(part[out]))
+            room = min(room, -float(shapely.distance(corners, workspace).max()))
+        elif room > 0:
+            room = min(room, float(shapely.distance(part, boundary).min()))
+    return room
 
 
 def _excess(plan: dict[str, Any], motion: np.ndarray) -> float:
