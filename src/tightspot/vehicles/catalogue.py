@@ -9,6 +9,7 @@ import numpy as np
 from tightspot.errors import Problem, VehicleError
 from tightspot.geometry.polygon import ConvexPolygon
 from tightspot.vehicles.base import BodyPart
+from tightspot.vehicles.commonroad import COMMONROAD
 from tightspot.vehicles.single_track import Limits, SingleTrack
 
 _PAPER_LIMITS = Limits(
@@ -119,6 +120,7 @@ CATALOGUE: dict[str, Callable[[], SingleTrack]] = {
     "lincoln-mkz": lincoln_mkz,
     "obca": obca,
     "forklift": forklift,
+    **COMMONROAD,
 }
 
 
