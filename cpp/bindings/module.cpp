@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "stagewise.hpp"
 #include "tightspot/collision.hpp"
 #include "tightspot/hybrid_astar.hpp"
 #include "tightspot/path.hpp"
@@ -241,8 +242,9 @@ void bind_search(nb::module_& m) {
 }  // namespace
 
 NB_MODULE(_core, m) {
-    m.doc() = "The compiled core of tightspot: Reeds-Shepp curves, exact collision checks and hybrid A*.";
+    m.doc() = "The compiled core of tightspot: Reeds-Shepp curves, exact collision checks, hybrid A* and the stagewise solver.";
     bind_reeds_shepp(m);
     bind_checker(m);
     bind_search(m);
+    bind_stagewise(m);
 }

@@ -1,0 +1,261 @@
+// tightspot._core.StagewiseSolver: a stage problem's plain arrays in, iterates out. The GIL is released while it works.
+#include "stagewise.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tightspot/stagewise/generated/single_track.hpp"
+#include "tightspot/stagewise/interior_point.hpp"
+#include "tightspot/stagewise/validate.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace tightspot::stagewise;
+
+namespace {
+
+using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Integers = nb::ndarray<const std::int64_t, nb::c_contig, nb::device::cpu>;
+using Table = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
+
+template <class A>
+A array_of(nb::handle problem, const char* name) {
+    nb::object value = problem.attr(name);
+    A array;
+    if (!nb::try_cast<A>(value, array))
+        throw nb::value_error((std::string("stage problem: ") + name + " is not a contiguous array of the right type")
+                                  .c_str());
+    return array;
+}
+
+Vector doubles(nb::handle problem, const char* name) {
+    const Array array = array_of<Array>(problem, name);
+    return Vector(array.data(), array.data() + array.size());
+}
+
+Indices integers(nb::handle problem, const char* name) {
+    const Integers array = array_of<Integers>(problem, name);
+    Indices result;
+    for (std::size_t i = 0; i < array.size(); ++i) {
+        const std::int64_t value = array.data()[i];
+        const bool fits = value >= std::numeric_limits<int>::min() && value <= std::numeric_limits<int>::max();
+        result.push_back(fits ? static_cast<int>(value) : -1);
+    }
+    return result;
+}
+
+double number(nb::handle problem, const char* name) { return nb::cast<double>(problem.attr(name)); }
+
+void need(bool holds, const char* name) {
+    if (!holds) throw nb::value_error((std::string("stage problem: ") + name + " has a shape that does not fit").c_str());
+}
+
+std::vector<Demand> demands(nb::handle problem, const char* name) {
+    const Vector table = doubles(problem, name);
+    std::vector<Demand> result(table.size() / 2);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+        const bool used = !std::isnan(table[2 * i]);
+        result[i] = {used ? table[2 * i] : 0, used ? table[2 * i + 1] : 0, used};
+    }
+    return result;
+}
+
+Problem to_problem(nb::handle from) {
+    Problem problem;
+    problem.widths = doubles(from, "widths");
+    problem.steps = static_cast<int>(problem.widths.size());
+    problem.pieces = integers(from, "pieces"), problem.substeps = integers(from, "substeps");
+    problem.parameters = doubles(from, "parameters");
+    problem.time_weight = number(from, "time_weight"), problem.input_weights = doubles(from, "input_weights");
+    problem.time_scaled = nb::cast<bool>(from.attr("time_scaled"));
+    problem.state_low = doubles(from, "state_low"), problem.state_high = doubles(from, "state_high");
+    problem.input_low = doubles(from, "input_low"), problem.input_high = doubles(from, "input_high");
+    problem.time_low = number(from, "time_low"), problem.time_high = number(from, "time_high");
+    problem.start = doubles(from, "start"), problem.goal = doubles(from, "goal");
+    problem.parts = {doubles(from, "part_vertices"), integers(from, "part_first")};
+    problem.obstacles = {doubles(from, "obstacle_vertices"), integers(from, "obstacle_first")};
+    problem.radii = doubles(from, "part_radii");
+    const Indices pairs = integers(from, "pairs");
+    const Vector origins = doubles(from, "pair_origins"), sides = doubles(from, "pair_sides");
+    need(origins.size() == pairs.size() / 3 * 2 && pairs.size() % 3 == 0, "pair_origins");
+    need(sides.size() == origins.size(), "pair_sides");
+    for (std::size_t i = 0; 3 * i < pairs.size(); ++i)
+        problem.pairs.push_back({pairs[3 * i], pairs[3 * i + 1], pairs[3 * i + 2],
+                                 {origins[2 * i], origins[2 * i + 1]}, sides[2 * i], sides[2 * i + 1]});
+    const Indices walls = integers(from, "walls");
+    const Vector lines = doubles(from, "wall_lines");
+    need(walls.size() % 2 == 0 && lines.size() == walls.size() / 2 * 3, "wall_lines");
+    for (std::size_t i = 0; 2 * i < walls.size(); ++i)
+        problem.walls.push_back(
+            {walls[2 * i], walls[2 * i + 1], {lines[3 * i], lines[3 * i + 1]}, lines[3 * i + 2]});
+    problem.pair_demands = demands(from, "pair_demands"), problem.wall_demands = demands(from, "wall_demands");
+    return problem;
+}
+
+Table table(const double* values, std::size_t rows, std::size_t columns) {
+    auto kept = std::make_unique<Vector>(values, values + rows * columns);
+    double* data = kept->data();
+    nb::capsule owner(kept.release(), [](void* p) noexcept { delete static_cast<Vector*>(p); });
+    return Table(data, {rows, columns}, owner);
+}
+
+nb::object flat(const Vector& values) { return nb::cast(table(values.data(), 1, values.size())).attr("ravel")(); }
+
+const char* name(Status status) {
+    switch (status) {
+        case Status::solved:
+            return "solved";
+        case Status::acceptable:
+            return "acceptable";
+        case Status::infeasible:
+            return "infeasible";
+        case Status::iteration_limit:
+            return "iteration_limit";
+        case Status::time_limit:
+            return "time_limit";
+        case Status::stopped:
+            return "stopped";
+        case Status::diverged:
+            return "diverged";
+        case Status::numerical:
+            return "numerical";
+        case Status::invalid:
+            break;
+    }
+    return "invalid";
+}
+
+void fill(Vector& into, const Array& from, const char* what) {
+    if (from.size() != into.size())
+        throw nb::value_error((std::string(what) + " has " + std::to_string(from.size()) + " numbers, but needs " +
+                               std::to_string(into.size()))
+                                  .c_str());
+    std::copy(from.data(), from.data() + from.size(), into.begin());
+}
+
+template <class Model>
+class Solver {
+   public:
+    explicit Solver(nb::handle from) {
+        Problem problem = to_problem(from);
+        const std::string wrong = flaw(problem, Model::states, Model::inputs, Model::parameters);
+        if (!wrong.empty()) throw nb::value_error(("stage problem: " + wrong + " cannot be used").c_str());
+        core_ = std::make_unique<InteriorPoint<Model>>(std::move(problem));
+    }
+
+    nb::dict sizes() const {
+        const Layout& layout = core_->layout();
+        nb::dict answer;
+        answer["variables"] = layout.variables, answer["rows"] = layout.rows, answer["bounds"] = core_->bounds().size();
+        return answer;
+    }
+
+    void set(const Array& v) { fill(core_->point.v, v, "the start"); }
+
+    void set_multipliers(const Array& s, const Array& z, const Array& zb, const Array& lam, const Array& nu) {
+        Point& point = core_->point;
+        fill(point.s, s, "s"), fill(point.z, z, "z"), fill(point.zb, zb, "zb"), fill(point.lam, lam, "lam");
+        fill(point.nu, nu, "nu");
+    }
+
+    nb::dict solve(const Options& options, nb::object callback) {
+        Outcome outcome;
+        nb::python_error* raised = nullptr;
+        std::unique_ptr<nb::python_error> kept;
+        Callback watch;
+        if (!callback.is_none())
+            watch = [&](const Record& record) {
+                nb::gil_scoped_acquire acquire;
+                try {
+                    nb::object verdict = callback(record.iteration, record.objective, record.violation);
+                    return !(verdict.ptr() == Py_False);
+                } catch (nb::python_error& error) {
+                    kept = std::make_unique<nb::python_error>(error);
+                    raised = kept.get();
+                    return false;
+                }
+            };
+        {
+            nb::gil_scoped_release release;
+            outcome = core_->solve(options, watch);
+        }
+        if (raised) throw *raised;
+        return report(outcome);
+    }
+
+    nb::dict derivatives(const Array& v, const Array& lam, const Array& z) {
+        Point& point = core_->point;
+        fill(point.v, v, "v"), fill(point.lam, lam, "lam"), fill(point.z, z, "z");
+        const auto check = core_->lagrangian();
+        nb::dict answer;
+        answer["objective"] = core_->values().objective;
+        answer["defects"] = flat(core_->values().defects), answer["rows"] = flat(core_->values().rows);
+        answer["gradient"] = flat(check.gradient);
+        answer["hessian"] = table(check.hessian.data(), point.v.size(), point.v.size());
+        return answer;
+    }
+
+   private:
+    nb::dict report(const Outcome& outcome) const {
+        nb::dict answer;
+        const Point& point = core_->point;
+        answer["status"] = name(outcome.status);
+        answer["iterations"] = outcome.iterations, answer["factorisations"] = outcome.factorisations;
+        answer["objective"] = outcome.objective, answer["violation"] = outcome.violation;
+        answer["stationarity"] = outcome.stationarity, answer["complementarity"] = outcome.complementarity;
+        answer["seconds"] = outcome.seconds;
+        answer["v"] = flat(point.v), answer["s"] = flat(point.s), answer["z"] = flat(point.z);
+        answer["zb"] = flat(point.zb), answer["lam"] = flat(point.lam), answer["nu"] = flat(point.nu);
+        answer["rows"] = flat(core_->values().rows), answer["defects"] = flat(core_->values().defects);
+        answer["bounds"] = flat(core_->bound_multipliers()), answer["demands"] = flat(core_->demands());
+        answer["log"] = logged();
+        return answer;
+    }
+
+    Table logged() const {
+        Vector rows;
+        for (const Record& r : core_->log)
+            for (double value : {double(r.iteration), r.objective, r.violation, r.stationarity, r.complementarity,
+                                 r.barrier, r.regularisation, r.primal_step, r.dual_step, double(r.trials)})
+                rows.push_back(value);
+        return table(rows.data(), core_->log.size(), 10);
+    }
+
+    std::unique_ptr<InteriorPoint<Model>> core_;
+};
+
+template <class Model>
+void bind_model(nb::module_& m, const char* name) {
+    nb::class_<Solver<Model>>(m, name)
+        .def(nb::init<nb::handle>(), "problem"_a)
+        .def_prop_ro("sizes", &Solver<Model>::sizes)
+        .def("set", &Solver<Model>::set, "v"_a)
+        .def("set_multipliers", &Solver<Model>::set_multipliers, "s"_a, "z"_a, "zb"_a, "lam"_a, "nu"_a)
+        .def("solve", &Solver<Model>::solve, "options"_a, "callback"_a = nb::none())
+        .def("derivatives", &Solver<Model>::derivatives, "v"_a, "lam"_a, "z"_a);
+}
+
+}  // namespace
+
+void bind_stagewise(nb::module_& m) {
+    nb::class_<Options>(m, "StagewiseOptions")
+        .def(nb::init<>())
+        .def_rw("tolerance", &Options::tolerance)
+        .def_rw("acceptable_tolerance", &Options::acceptable_tolerance)
+        .def_rw("acceptable_iterations", &Options::acceptable_iterations)
+        .def_rw("max_iterations", &Options::max_iterations)
+        .def_rw("time_limit", &Options::time_limit)
+        .def_rw("initial_barrier", &Options::initial_barrier)
+        .def_rw("bound_push", &Options::bound_push)
+        .def_rw("second_order_correction", &Options::second_order_correction)
+        .def_rw("warm", &Options::warm);
+    bind_model<SingleTrack>(m, "StagewiseSingleTrack");
+}

@@ -1,0 +1,508 @@
+// Primal-dual interior-point method with a filter line search, for one stagewise problem.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "tightspot/stagewise/assembly.hpp"
+#include "tightspot/stagewise/filter.hpp"
+#include "tightspot/stagewise/outcome.hpp"
+#include "tightspot/stagewise/point.hpp"
+#include "tightspot/stagewise/sweep.hpp"
+
+namespace tightspot::stagewise {
+
+template <class Model>
+class InteriorPoint {
+    using S = Sizes<Model>;
+    static constexpr double goal_penalty = 1e6;
+    static constexpr double smallest_barrier_of_tolerance = 0.1;
+
+   public:
+    explicit InteriorPoint(Problem problem)
+        : problem_(std::move(problem)), layout_(layout_of(problem_, S::nx, S::nu)),
+          bounds_(bounds_of(problem_, layout_)), assembly_(problem_, layout_), sweep_(problem_, layout_),
+          filter_(500) {
+        point.allocate(layout_, bounds_.size()), trial_.allocate(layout_, bounds_.size());
+        step_.allocate(layout_, bounds_.size()), other_.allocate(layout_, bounds_.size());
+        values_.allocate(problem_, layout_), trial_values_.allocate(problem_, layout_);
+        assembly_.allocate(gradient_), residual_.assign(layout_.line, 0);
+        for (Vector* rows : {&D_, &b_, &row_residual_, &corrected_rows_}) rows->assign(layout_.rows, 0);
+        corrected_defects_.assign(problem_.steps * S::nx, 0);
+        bound_diagonal_.assign(layout_.line, 0), bound_gradient_.assign(layout_.line, 0);
+        goal_residual_.assign(S::nx, 0), corrected_goal_.assign(S::nx, 0);
+    }
+    InteriorPoint(const InteriorPoint&) = delete;
+    InteriorPoint& operator=(const InteriorPoint&) = delete;
+
+    Point point;
+    std::vector<Record> log;
+
+    const Problem& problem() const { return problem_; }
+    const Layout& layout() const { return layout_; }
+    const std::vector<Bound>& bounds() const { return bounds_; }
+    const Values<Model>& values() const { return values_; }
+    // What bounds and fixed values add to the Lagrangian's gradient with respect to states, inputs and t_f.
+    Vector bound_multipliers() const {
+        Vector result(layout_.line, 0.0);
+        for (std::size_t i = 0; i < bounds_.size(); ++i) result[bounds_[i].index] -= bounds_[i].side * point.zb[i];
+        for (int i = 0; i < layout_.line; ++i)
+            if (fixed(i)) result[i] = -residual_[i];
+        return result;
+    }
+
+    // The clearance demanded in each row at the last point evaluated.
+    Vector demands() const {
+        Vector result(layout_.rows, 0.0);
+        const int parts = problem_.parts.size();
+        for (int k = 0; k < problem_.steps; ++k) {
+            RowDemands visitor{values_.covers.data() + k * parts, result.data()};
+            visit_rows(problem_, layout_, point.v.data(), values_, k, visitor);
+        }
+        return result;
+    }
+
+    Outcome solve(const Options& options, const Callback& callback = {}) {
+        using Clock = std::chrono::steady_clock;
+        const auto began = Clock::now();
+        const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
+        Outcome outcome;
+        log.clear(), log.reserve(options.max_iterations + 1);
+        filter_.clear(), last_regularisation_ = 0, large_violation_ = -1;
+        options_ = options, mu_ = options.initial_barrier;
+        if (!initialise()) return finish(outcome, Status::numerical, seconds());
+        int acceptable = 0, failures = 0;
+        for (int iteration = 0;; ++iteration) {
+            Record record = measure(iteration);
+            outcome.iterations = iteration;
+            const double error = std::max({record.violation, record.stationarity, record.complementarity});
+            const bool stop = callback && !callback(record);
+            Status status = Status::solved;
+            acceptable = error <= options.acceptable_tolerance ? acceptable + 1 : 0;
+            if (!std::isfinite(error)) status = Status::numerical;
+            else if (error <= options.tolerance) status = Status::solved;
+            else if (stop) status = Status::stopped;
+            else if (acceptable > options.acceptable_iterations) status = Status::acceptable;
+            else if (iteration >= options.max_iterations) status = Status::iteration_limit;
+            else if (seconds() > options.time_limit) status = Status::time_limit;
+            else if (diverged()) status = Status::diverged;
+            else {
+                update_barrier();
+                if (!advance(record, outcome, failures))
+                    status = record.violation > 1e-4 ? Status::infeasible : Status::numerical;
+                else {
+                    log.push_back(record);
+                    continue;
+                }
+            }
+            log.push_back(record);
+            return finish(outcome, status, seconds());
+        }
+    }
+
+    struct Lagrangian {
+        Vector gradient, hessian;  // with respect to all variables; the Hessian full
+    };
+
+    // For tests: derivatives of f + lam . defects - z . rows at the point, as the Newton system has them.
+    Lagrangian lagrangian() {
+        const double* v = point.v.data();
+        const std::size_t n = point.v.size();
+        Vector nothing(n, 0.0), no_weights(layout_.rows, 0.0);
+        assembly_.evaluate(v, values_);
+        assembly_.differentiate_all(v, values_);
+        std::fill(point.zb.begin(), point.zb.end(), 0.0);
+        lagrangian_gradient();
+        Lagrangian out{residual_, Vector(n * n, 0.0)};
+        out.gradient.insert(out.gradient.end(), gradient_.lines.begin(), gradient_.lines.end());
+        assembly_.set_hessian(v, values_, no_weights.data(), point.z.data(), point.lam.data(), nothing.data());
+        for (int k = 0; k < problem_.steps; ++k) scatter(k, n, out.hessian);
+        return out;
+    }
+
+   private:
+    // Adds interval k's quadratic and its pairs' blocks to a full matrix.
+    void scatter(int k, std::size_t n, Vector& full) const {
+        std::size_t index[S::nw];
+        for (int i = 0; i < S::nx; ++i) index[i] = layout_.x(k) + i, index[S::na + i] = layout_.x(k + 1) + i;
+        index[S::nx] = layout_.time;
+        for (int i = 0; i < S::nu; ++i) index[S::nz + i] = layout_.u(k) + i;
+        const double* W = assembly_.stages.data() + k * S::nw * S::nw;
+        for (int i = 0; i < S::nw; ++i)
+            for (int j = 0; j < S::nw; ++j) full[index[i] * n + index[j]] += W[i * S::nw + j];
+        const int parts = problem_.parts.size();
+        for (int p = layout_.pair[k * parts]; p < layout_.pair[(k + 1) * parts]; ++p) {
+            const PairBlock<Model>& pair = assembly_.pairs[p];
+            const std::size_t phi = layout_.aux(p), mu = phi + 1;
+            full[phi * n + phi] += pair.phi_phi, full[mu * n + mu] += pair.mu_mu;
+            full[phi * n + mu] += pair.phi_mu, full[mu * n + phi] += pair.phi_mu;
+            for (int i = 0; i < S::nw; ++i) {
+                full[phi * n + index[i]] += pair.phi[i], full[index[i] * n + phi] += pair.phi[i];
+                full[mu * n + index[i]] += pair.mu[i], full[index[i] * n + mu] += pair.mu[i];
+            }
+        }
+    }
+
+    Outcome finish(Outcome& outcome, Status status, double seconds) {
+        outcome.status = status, outcome.seconds = seconds, outcome.objective = values_.objective;
+        outcome.violation = violation_, outcome.stationarity = stationarity_, outcome.complementarity = complementarity_;
+        return outcome;
+    }
+
+    bool initialise() {
+        Vector& v = point.v;
+        for (double value : v)
+            if (!std::isfinite(value)) return false;
+        for (int i = 0; i < S::nx; ++i) {
+            if (!std::isnan(problem_.start[i])) v[i] = problem_.start[i];
+            if (!std::isnan(problem_.goal[i])) v[layout_.x(problem_.steps) + i] = problem_.goal[i];
+        }
+        if (!problem_.free_time()) v[layout_.time] = problem_.time_low;
+        for (const Bound& bound : bounds_) {
+            const double other = opposite(bound);
+            const double low = bound.side > 0 ? bound.value : other, high = bound.side > 0 ? other : bound.value;
+            v[bound.index] = inside(v[bound.index], low, high, options_.bound_push);
+        }
+        assembly_.evaluate(v.data(), values_);
+        for (int i = 0; i < layout_.rows; ++i) {
+            point.s[i] = std::max(values_.rows[i], options_.bound_push);
+            const double central = mu_ / point.s[i];
+            point.z[i] = options_.warm ? std::clamp(point.z[i], 0.1 * central, 1e3 * central) : central;
+        }
+        for (std::size_t i = 0; i < bounds_.size(); ++i) {
+            const double central = mu_ / bounds_[i].slack(v);
+            point.zb[i] = options_.warm ? std::clamp(point.zb[i], 0.1 * central, 1e3 * central) : central;
+        }
+        if (!options_.warm) {
+            std::fill(point.lam.begin(), point.lam.end(), 0.0);
+            std::fill(point.nu.begin(), point.nu.end(), 0.0);
+        }
+        return true;
+    }
+
+    double opposite(const Bound& bound) const {
+        const int i = bound.index;
+        if (i == layout_.time) return bound.side > 0 ? problem_.time_high : problem_.time_low;
+        if (i < layout_.input)
+            return bound.side > 0 ? problem_.state_high[i % S::nx] : problem_.state_low[i % S::nx];
+        const int input = (i - layout_.input) % S::nu;
+        return bound.side > 0 ? problem_.input_high[input] : problem_.input_low[input];
+    }
+
+    // Derivatives at the point and how far it is from optimal.
+    Record measure(int iteration) {
+        const double* v = point.v.data();
+        assembly_.differentiate_all(v, values_);
+        set_goal_residual(v, goal_residual_);
+        violation_ = 0;
+        for (double defect : values_.defects) violation_ = worse(violation_, std::abs(defect));
+        for (double miss : goal_residual_) violation_ = worse(violation_, std::abs(miss));
+        for (int i = 0; i < layout_.rows; ++i) {
+            row_residual_[i] = values_.rows[i] - point.s[i];
+            violation_ = worse(violation_, std::abs(row_residual_[i]));
+        }
+        const double scale = multiplier_scale();
+        stationarity_ = lagrangian_gradient() / scale;
+        scale_ = scale;
+        complementarity_ = complementarity(0) / scale;
+        Record record;
+        record.iteration = iteration, record.objective = values_.objective, record.violation = violation_;
+        record.stationarity = stationarity_, record.complementarity = complementarity_, record.barrier = mu_;
+        return record;
+    }
+
+    static double worse(double a, double b) { return b > a || std::isnan(b) ? b : a; }
+
+    void set_goal_residual(const double* v, Vector& out) const {
+        for (int i = 0; i < S::nx; ++i)
+            out[i] = std::isnan(problem_.goal[i]) ? 0 : v[layout_.x(problem_.steps) + i] - problem_.goal[i];
+    }
+
+    double multiplier_scale() const {
+        double sum = 0;
+        for (double lam : point.lam) sum += std::abs(lam);
+        for (double z : point.z) sum += z;
+        for (double z : point.zb) sum += z;
+        const double count = static_cast<double>(point.lam.size() + point.z.size() + point.zb.size());
+        return std::max(100.0, sum / std::max(count, 1.0)) / 100.0;
+    }
+
+    double complementarity(double mu) const {
+        double worst = 0;
+        for (int i = 0; i < layout_.rows; ++i) worst = worse(worst, std::abs(point.s[i] * point.z[i] - mu));
+        for (std::size_t i = 0; i < bounds_.size(); ++i)
+            worst = worse(worst, std::abs(bounds_[i].slack(point.v) * point.zb[i] - mu));
+        return worst;
+    }
+
+    // Fills residual_; returns its largest entry among free variables, lines included.
+    double lagrangian_gradient() {
+        std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
+        for (std::size_t i = 0; i < bounds_.size(); ++i)
+            bound_gradient_[bounds_[i].index] -= bounds_[i].side * point.zb[i];
+        assembly_.set_gradient(point.v.data(), values_, 1.0, point.z.data(), bound_gradient_.data(), gradient_);
+        std::fill(residual_.begin(), residual_.end(), 0.0);
+        for (int k = 0; k < problem_.steps; ++k) {
+            const double *g = gradient_.stages.data() + k * S::nw, *lam = point.lam.data() + k * S::nx;
+            const double* F = assembly_.sensitivities.end.data() + k * S::nx * S::na;
+            double a[S::na];
+            for (int c = 0; c < S::na; ++c) {
+                a[c] = g[c];
+                for (int j = 0; j < S::nx; ++j) a[c] += F[j * S::na + c] * lam[j];
+            }
+            for (int i = 0; i < S::nx; ++i) {
+                residual_[layout_.x(k) + i] += a[i];
+                residual_[layout_.x(k + 1) + i] += g[S::na + i] - lam[i];
+            }
+            residual_[layout_.time] += a[S::nx];
+            for (int i = 0; i < S::nu; ++i) residual_[layout_.u(k) + i] += a[S::nz + i];
+        }
+        double worst = 0;
+        for (int i = 0; i < layout_.line; ++i)
+            if (!fixed(i)) worst = worse(worst, std::abs(residual_[i]));
+        for (double entry : gradient_.lines) worst = worse(worst, std::abs(entry));
+        return worst;
+    }
+
+    bool fixed(int index) const {
+        if (index < S::nx) return !std::isnan(problem_.start[index]);
+        const int last = index - layout_.x(problem_.steps);
+        if (last >= 0 && last < S::nx) return !std::isnan(problem_.goal[last]);
+        return index == layout_.time && !problem_.free_time();
+    }
+
+    bool diverged() const {
+        for (double value : point.v)
+            if (!(std::abs(value) < 1e10)) return true;
+        return false;
+    }
+
+    void update_barrier() {
+        const double smallest = smallest_barrier_of_tolerance * options_.tolerance;
+        while (mu_ > smallest) {
+            const double error = std::max({violation_, stationarity_, complementarity(mu_) / scale_});
+            if (!(error <= 10 * mu_)) break;
+            mu_ = std::max(smallest, std::min(0.2 * mu_, std::pow(mu_, 1.5)));
+            filter_.clear();
+        }
+    }
+
+    // One step: direction, line search, update. False if none could be made.
+    bool advance(Record& record, Outcome& outcome, int& failures) {
+        const Merit from = merit(point, values_, goal_residual_);
+        if (large_violation_ < 0) {
+            large_violation_ = 1e4 * std::max(1.0, from.violation);
+            small_violation_ = 1e-4 * std::max(1.0, from.violation);
+        }
+        set_system();
+        double regularisation = 0;
+        bool moved = false;
+        for (int round = 0; round < 6 && !moved; ++round) {
+            if (!factor(regularisation, outcome)) return false;
+            direction(row_residual_, values_.defects, goal_residual_, step_);
+            moved = line_search(from, record);
+            if (moved) break;
+            filter_.clear();
+            regularisation = regularisation == 0 ? std::max(1e-4, last_regularisation_) : 10 * regularisation;
+        }
+        record.regularisation = regularisation;
+        record.barrier = mu_;
+        if (!moved) {
+            if (++failures > 5) return false;
+            alpha_ = std::min(0.5 * longest_primal(step_), 1e-2);
+            dual_alpha_ = 0.5 * longest_dual(step_);
+            make_trial(alpha_, step_);
+        }
+        record.primal_step = alpha_, record.dual_step = dual_alpha_;
+        update();
+        return true;
+    }
+
+    void set_system() {
+        const double* v = point.v.data();
+        for (int i = 0; i < layout_.rows; ++i) D_[i] = point.z[i] / point.s[i];
+        std::fill(bound_diagonal_.begin(), bound_diagonal_.end(), 0.0);
+        for (std::size_t i = 0; i < bounds_.size(); ++i)
+            bound_diagonal_[bounds_[i].index] += point.zb[i] / bounds_[i].slack(point.v);
+        assembly_.set_hessian(v, values_, D_.data(), point.z.data(), point.lam.data(), bound_diagonal_.data());
+        std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
+        for (const Bound& bound : bounds_) bound_gradient_[bound.index] -= bound.side * mu_ / bound.slack(point.v);
+    }
+
+    // Factorises with at least the given regularisation; raises it until the reduced Hessian is positive definite.
+    bool factor(double& regularisation, Outcome& outcome) {
+        while (true) {
+            ++outcome.factorisations;
+            if (sweep_.factor(assembly_, regularisation, goal_penalty)) break;
+            if (regularisation == 0)
+                regularisation = last_regularisation_ > 0 ? std::max(1e-20, last_regularisation_ / 3) : 1e-4;
+            else
+                regularisation *= last_regularisation_ > 0 ? 8 : 100;
+            if (!(regularisation < 1e12)) return false;
+        }
+        if (regularisation > 0) last_regularisation_ = regularisation;
+        return true;
+    }
+
+    // The Newton step for the given residuals, by the factorisation at hand.
+    void direction(const Vector& rows, const Vector& defects, const Vector& goal, Point& step) {
+        const double* v = point.v.data();
+        for (int i = 0; i < layout_.rows; ++i) b_[i] = mu_ / point.s[i] - D_[i] * rows[i];
+        assembly_.set_gradient(v, values_, 1.0, b_.data(), bound_gradient_.data(), gradient_);
+        sweep_.solve(assembly_, gradient_, defects.data(), goal.data(), point.nu.data(), goal_penalty, step.v.data(),
+                     step.lam.data(), step.nu.data());
+        for (std::size_t i = 0; i < step.lam.size(); ++i) step.lam[i] -= point.lam[i];
+        for (std::size_t i = 0; i < step.nu.size(); ++i) step.nu[i] -= point.nu[i];
+        assembly_.row_steps(v, values_, step.v.data(), step.s.data());
+        for (int i = 0; i < layout_.rows; ++i) {
+            step.s[i] += rows[i];
+            step.z[i] = (mu_ - point.z[i] * step.s[i]) / point.s[i] - point.z[i];
+        }
+        for (std::size_t i = 0; i < bounds_.size(); ++i) {
+            const double move = bounds_[i].side * step.v[bounds_[i].index];
+            step.zb[i] = (mu_ - point.zb[i] * move) / bounds_[i].slack(point.v) - point.zb[i];
+        }
+    }
+
+    double boundary_fraction() const { return std::max(0.99, 1 - mu_); }
+
+    double longest_primal(const Point& step) const {
+        double rate = 0;
+        for (int i = 0; i < layout_.rows; ++i) rate = std::max(rate, -step.s[i] / point.s[i]);
+        for (const Bound& bound : bounds_)
+            rate = std::max(rate, -bound.side * step.v[bound.index] / bound.slack(point.v));
+        return rate > boundary_fraction() ? boundary_fraction() / rate : 1.0;
+    }
+
+    double longest_dual(const Point& step) const {
+        double rate = 0;
+        for (int i = 0; i < layout_.rows; ++i) rate = std::max(rate, -step.z[i] / point.z[i]);
+        for (std::size_t i = 0; i < bounds_.size(); ++i) rate = std::max(rate, -step.zb[i] / point.zb[i]);
+        return rate > boundary_fraction() ? boundary_fraction() / rate : 1.0;
+    }
+
+    // Violation and barrier objective of a point whose values are known.
+    Merit merit(const Point& at, const Values<Model>& values, const Vector& goal) const {
+        double violation = 0, logs = 0;
+        for (double defect : values.defects) violation += std::abs(defect);
+        for (double miss : goal) violation += std::abs(miss);
+        for (int i = 0; i < layout_.rows; ++i) violation += std::abs(values.rows[i] - at.s[i]);
+        int i = 0;
+        for (; i + 4 <= layout_.rows; i += 4) logs += std::log(at.s[i] * at.s[i + 1] * at.s[i + 2] * at.s[i + 3]);
+        for (; i < layout_.rows; ++i) logs += std::log(at.s[i]);
+        std::size_t j = 0;
+        for (; j + 2 <= bounds_.size(); j += 2) logs += std::log(bounds_[j].slack(at.v) * bounds_[j + 1].slack(at.v));
+        for (; j < bounds_.size(); ++j) logs += std::log(bounds_[j].slack(at.v));
+        return {violation, values.objective - mu_ * logs};
+    }
+
+    // Slope of the barrier objective along a step.
+    double slope(const Point& step) const {
+        const double* v = point.v.data();
+        double sum = 0, energy = 0, energy_slope = 0;
+        for (int k = 0; k < problem_.steps; ++k)
+            for (int i = 0; i < S::nu; ++i) {
+                const double u = v[layout_.u(k) + i], weight = problem_.widths[k] * problem_.input_weights[i];
+                energy += weight * u * u, energy_slope += 2 * weight * u * step.v[layout_.u(k) + i];
+            }
+        const double time_step = step.v[layout_.time];
+        sum += problem_.time_weight * time_step;
+        sum += problem_.time_scaled ? time_step * energy + v[layout_.time] * energy_slope : energy_slope;
+        for (int i = 0; i < layout_.rows; ++i) sum -= mu_ * step.s[i] / point.s[i];
+        for (const Bound& bound : bounds_) sum -= mu_ * bound.side * step.v[bound.index] / bound.slack(point.v);
+        return sum;
+    }
+
+    // trial_ = point + alpha step, with its values; multipliers are left alone.
+    void make_trial(double alpha, const Point& step) {
+        for (std::size_t i = 0; i < point.v.size(); ++i) trial_.v[i] = point.v[i] + alpha * step.v[i];
+        for (int i = 0; i < layout_.rows; ++i) trial_.s[i] = point.s[i] + alpha * step.s[i];
+        assembly_.evaluate(trial_.v.data(), trial_values_);
+    }
+
+    Acceptance try_step(double alpha, const Point& step, const Merit& from, double descent, Merit& reached) {
+        make_trial(alpha, step);
+        set_goal_residual(trial_.v.data(), corrected_goal_);
+        reached = merit(trial_, trial_values_, corrected_goal_);
+        return accept(filter_, from, reached, descent, alpha, small_violation_, large_violation_);
+    }
+
+    bool line_search(const Merit& from, Record& record) {
+        const double descent = slope(step_);
+        double smallest = 1e-5;
+        if (descent < 0) {
+            smallest = std::min(smallest, 1e-8 * from.violation / -descent);
+            if (from.violation <= small_violation_)
+                smallest = std::min(smallest, std::pow(from.violation, 1.1) / std::pow(-descent, 2.3));
+            smallest *= 0.05;
+        }
+        smallest = std::max(smallest, 1e-9);
+        alpha_ = longest_primal(step_), dual_alpha_ = longest_dual(step_);
+        for (bool first = true; alpha_ > smallest; alpha_ *= 0.5, first = false) {
+            ++record.trials;
+            Merit reached{};
+            Acceptance verdict = try_step(alpha_, step_, from, descent, reached);
+            if (!verdict.accepted && first && options_.second_order_correction && reached.violation >= from.violation)
+                verdict = corrected(from, descent);
+            if (!verdict.accepted) continue;
+            if (verdict.augments) filter_.add(from);
+            return true;
+        }
+        return false;
+    }
+
+    // Second-order correction of the full step; on success step_ is the corrected one.
+    Acceptance corrected(const Merit& from, double descent) {
+        for (int i = 0; i < layout_.rows; ++i)
+            corrected_rows_[i] = alpha_ * row_residual_[i] + trial_values_.rows[i] - trial_.s[i];
+        for (std::size_t i = 0; i < corrected_defects_.size(); ++i)
+            corrected_defects_[i] = alpha_ * values_.defects[i] + trial_values_.defects[i];
+        for (int i = 0; i < S::nx; ++i) corrected_goal_[i] += alpha_ * goal_residual_[i];
+        direction(corrected_rows_, corrected_defects_, corrected_goal_, other_);
+        const double alpha = longest_primal(other_);
+        Merit reached{};
+        if (!std::isfinite(alpha)) return {false, false};
+        const Acceptance verdict = try_step(alpha, other_, from, descent, reached);
+        if (verdict.accepted) {
+            alpha_ = alpha, dual_alpha_ = longest_dual(other_);
+            std::swap(step_, other_);
+        }
+        return verdict;
+    }
+
+    // Accept the trial point; multipliers move by their own step length and are kept near the central path.
+    void update() {
+        std::swap(point.v, trial_.v), std::swap(point.s, trial_.s), std::swap(values_, trial_values_);
+        for (std::size_t i = 0; i < point.lam.size(); ++i) point.lam[i] += alpha_ * step_.lam[i];
+        for (std::size_t i = 0; i < point.nu.size(); ++i) point.nu[i] += alpha_ * step_.nu[i];
+        for (int i = 0; i < layout_.rows; ++i) {
+            const double central = mu_ / point.s[i];
+            point.z[i] = std::clamp(point.z[i] + dual_alpha_ * step_.z[i], 1e-10 * central, 1e10 * central);
+        }
+        for (std::size_t i = 0; i < bounds_.size(); ++i) {
+            const double central = mu_ / bounds_[i].slack(point.v);
+            point.zb[i] = std::clamp(point.zb[i] + dual_alpha_ * step_.zb[i], 1e-10 * central, 1e10 * central);
+        }
+    }
+
+    Problem problem_;
+    Layout layout_;
+    std::vector<Bound> bounds_;
+    Assembly<Model> assembly_;
+    Sweep<Model> sweep_;
+    Filter filter_;
+    Options options_;
+    Point trial_, step_, other_;
+    Values<Model> values_, trial_values_;
+    Gradient gradient_;
+    Vector residual_, D_, b_, row_residual_, corrected_rows_, corrected_defects_, bound_diagonal_, bound_gradient_,
+        goal_residual_, corrected_goal_;
+    double mu_ = 0, violation_ = 0, stationarity_ = 0, complementarity_ = 0, scale_ = 1;
+    double alpha_ = 0, dual_alpha_ = 0, last_regularisation_ = 0, large_violation_ = -1, small_violation_ = 0;
+};
+
+}  // namespace tightspot::stagewise

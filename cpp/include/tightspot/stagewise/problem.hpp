@@ -1,0 +1,122 @@
+// The stagewise problem as plain numbers: what transcription/stage_problem.py builds.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace tightspot::stagewise {
+
+using Vector = std::vector<double>;
+using Indices = std::vector<int>;
+
+// Convex polygons, one after another: polygon i has the vertices first[i] to first[i + 1] - 1, (x, y) each.
+struct Polygons {
+    Vector xy;
+    Indices first{0};
+
+    int size() const { return static_cast<int>(first.size()) - 1; }
+    int count(int i) const { return first[i + 1] - first[i]; }
+    const double* vertices(int i) const { return xy.data() + 2 * first[i]; }
+};
+
+// Clearance demanded at one sample pose, m: constant + weight * (the interval's cover for that part).
+// Unused rows have `used` = 0.
+struct Demand {
+    double constant = 0, weight = 0;
+    int used = 0;
+};
+
+// One body part against one obstacle part during one interval. Its line has a unit normal (cos phi, sin phi) and the
+// offset mu, with coordinates relative to `origin`, which changes the numbers' conditioning and nothing else.
+struct Pair {
+    int interval = 0, part = 0, obstacle = 0;
+    double origin[2] = {0, 0};
+    double obstacle_side = 0, obstacle_weight = 0;  // the demand on the obstacle's side of the line
+};
+
+// Half-plane normal . q <= offset that one body part must stay in during one interval.
+struct Wall {
+    int interval = 0, part = 0;
+    double normal[2] = {0, 0};
+    double offset = 0;
+};
+
+// Variables: states x_0..x_N, inputs u_0..u_{N-1}, t_f, and (phi, mu) of each pair.
+//
+//   minimise    time_weight t_f + (t_f or 1) sum_k widths[k] sum_i input_weights[i] u_k[i]^2
+//   subject to  x_{k+1} = F_k(x_k, u_k, t_f): pieces[k] * substeps[k] Runge-Kutta steps,
+//               bounds, start and goal (NaN: free), walls and pairs.
+//
+// Samples of interval k: the state x_k, the states after each of its pieces but the last, and x_{k+1}. Rows of
+// interval k, part by part: for every sample, wall and vertex, offset - normal . V - demand >= 0; then for every pair
+// the obstacle's side, mu - side - n . O_j >= 0, and for every sample and vertex n . V - mu - demand >= 0. Pairs and
+// walls are sorted by interval, then part.
+struct Problem {
+    int steps = 0;
+    Vector widths;
+    Indices pieces, substeps;
+    Vector parameters;
+    double time_weight = 0;
+    Vector input_weights;
+    bool time_scaled = true;
+    Vector state_low, state_high, input_low, input_high;
+    double time_low = 0, time_high = 0;
+    Vector start, goal;
+    Polygons parts, obstacles;
+    Vector radii;
+    std::vector<Pair> pairs;
+    std::vector<Wall> walls;
+    std::vector<Demand> pair_demands, wall_demands;  // by sample, all intervals
+
+    bool free_time() const { return time_low < time_high; }
+};
+
+// Where things are in the flat vectors.
+struct Layout {
+    int nx = 0, nu = 0, steps = 0;
+    int input = 0, time = 0, line = 0, variables = 0;  // offsets into the variables; their number
+    int rows = 0;
+    Indices sample, substep, row;             // first of each interval; N + 1 entries
+    Indices pair, wall;                       // first of each (interval, part); N * parts + 1 entries
+
+    int x(int k) const { return k * nx; }
+    int u(int k) const { return input + k * nu; }
+    int aux(int pair_index) const { return line + 2 * pair_index; }
+};
+
+inline Layout layout_of(const Problem& problem, int nx, int nu) {
+    Layout layout;
+    const int n = problem.steps, parts = problem.parts.size();
+    layout.nx = nx, layout.nu = nu, layout.steps = n;
+    layout.input = (n + 1) * nx;
+    layout.time = layout.input + n * nu;
+    layout.line = layout.time + 1;
+    layout.variables = layout.line + 2 * static_cast<int>(problem.pairs.size());
+    layout.sample.assign(1, 0), layout.substep.assign(1, 0), layout.row.assign(1, 0);
+    layout.pair.assign(1, 0), layout.wall.assign(1, 0);
+    std::size_t pair = 0, wall = 0;
+    for (int k = 0; k < n; ++k) {
+        const int first = layout.sample.back(), samples = problem.pieces[k] + 1;
+        layout.sample.push_back(first + samples);
+        layout.substep.push_back(layout.substep.back() + problem.pieces[k] * problem.substeps[k]);
+        int wall_samples = 0, pair_samples = 0;
+        for (int p = first; p < first + samples; ++p)
+            wall_samples += problem.wall_demands[p].used, pair_samples += problem.pair_demands[p].used;
+        for (int part = 0; part < parts; ++part) {
+            for (; wall < problem.walls.size() && problem.walls[wall].interval == k && problem.walls[wall].part == part;
+                 ++wall)
+                layout.rows += wall_samples * problem.parts.count(part);
+            for (; pair < problem.pairs.size() && problem.pairs[pair].interval == k && problem.pairs[pair].part == part;
+                 ++pair)
+                layout.rows +=
+                    problem.obstacles.count(problem.pairs[pair].obstacle) + pair_samples * problem.parts.count(part);
+            layout.wall.push_back(static_cast<int>(wall));
+            layout.pair.push_back(static_cast<int>(pair));
+        }
+        layout.row.push_back(layout.rows);
+    }
+    return layout;
+}
+
+}  // namespace tightspot::stagewise

@@ -1,0 +1,256 @@
+// Solves the Newton system: lines are eliminated pair by pair, the rest is one Riccati sweep over the stages.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tightspot/stagewise/assembly.hpp"
+
+namespace tightspot::stagewise {
+
+// A pair's 2 x 2 block, made positive definite if need be, inverted.
+struct LineInverse {
+    double phi_phi, phi_mu, mu_mu;
+};
+
+// Inverse of [[a, b], [b, d]] with d > 0. If its Schur complement a - b^2/d is not clearly positive, a is raised so that
+// the complement becomes its own absolute value: the line's own convexification, which leaves the vehicle's alone.
+inline LineInverse invert_line(double a, double b, double d, double smallest) {
+    const double ratio = b / d, floor = smallest * std::max(1.0, std::abs(b * ratio));
+    double complement = a - b * ratio;
+    if (!(complement > floor)) complement = std::max(10 * floor, std::abs(complement));
+    const double inverse = 1 / complement;
+    return {inverse, -inverse * ratio, 1 / d + inverse * ratio * ratio};
+}
+
+template <class Model>
+class Sweep {
+    using S = Sizes<Model>;
+    static constexpr int nx = S::nx, nu = S::nu, nz = S::nz, na = S::na, nw = S::nw;
+
+    struct StageFactor {
+        double ahead[nz * nz];   // P' = P_{k+1} plus the interval's own quadratic in (x_{k+1}, t_f)
+        double mixed[nx * na];   // C: derivatives mixed between x_{k+1} and (x_k, u_k)
+        double inputs[nu * nu];  // Cholesky factor of the inputs' block
+        double cross[nu * nz];   // mixed derivatives of inputs and z
+        double gain[nu * nz];
+        double offset[nu], value[nz];  // of the vector sweep
+    };
+
+   public:
+    Sweep(const Problem& problem, const Layout& layout)
+        : problem_(problem), layout_(layout), factors_(problem.steps), inverses_(problem.pairs.size()),
+          gradient_(problem.steps * nw) {}
+
+    // False if the reduced Hessian, with `regularisation` added to its diagonal, is not positive definite.
+    bool factor(const Assembly<Model>& assembly, double regularisation, double goal_penalty) {
+        double P[nz * nz] = {}, W[nw * nw];
+        for (int i = 0; i < nx; ++i)
+            if (!std::isnan(problem_.goal[i])) P[i * (nz + 1)] = goal_penalty;
+        for (int k = problem_.steps - 1; k >= 0; --k) {
+            const double* full = assembly.stages.data() + k * nw * nw;
+            for (int i = 0; i < nw * nw; ++i) W[i] = full[i];
+            eliminate_lines(assembly, k, regularisation, W);
+            for (int i = 0; i < na; ++i) W[i * (nw + 1)] += regularisation;
+            if (k + 1 == problem_.steps)
+                for (int i = na; i < nw; ++i) W[i * (nw + 1)] += regularisation;
+            const double* F = assembly.sensitivities.end.data() + k * nx * na;
+            if (!step_back(assembly.coupled(k), W, F, P, factors_[k])) return false;
+        }
+        return factor_root(P);
+    }
+
+    // The step dv and the new multipliers lam (of the dynamics) and nu (of the goal), for the quadratic with the given
+    // gradient, the defects d and the goal's residual. x_0's fixed components do not move.
+    void solve(const Assembly<Model>& assembly, const Gradient& gradient, const double* defects,
+               const double* goal_residual, const double* goal_multiplier, double goal_penalty, double* dv, double* lam,
+               double* nu_new) {
+        double p[nz] = {};
+        for (int i = 0; i < nx; ++i)
+            if (!std::isnan(problem_.goal[i])) p[i] = goal_penalty * goal_residual[i] + goal_multiplier[i];
+        gradient_ = gradient.stages;
+        for (int k = problem_.steps - 1; k >= 0; --k) {
+            reduce_gradient(assembly, gradient, k);
+            vector_back(assembly, k, defects + k * nx, p);
+        }
+        solve_root(p, dv);
+        for (int k = 0; k < problem_.steps; ++k) step_forward(assembly, k, defects + k * nx, dv, lam + k * nx);
+        const double* end = dv + layout_.x(problem_.steps);
+        for (int i = 0; i < nx; ++i)
+            nu_new[i] = std::isnan(problem_.goal[i])
+                            ? 0
+                            : goal_multiplier[i] + goal_penalty * (end[i] + goal_residual[i]);
+        for (int k = 0; k < problem_.steps; ++k) step_lines(assembly, gradient, k, dv);
+    }
+
+   private:
+    void eliminate_lines(const Assembly<Model>& assembly, int k, double regularisation, double* W) {
+        const int parts = problem_.parts.size();
+        const int begin = assembly.coupled(k) ? 0 : na, end = assembly.coupled(k) ? nw : na + 3;
+        for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
+            const PairBlock<Model>& pair = assembly.pairs[i];
+            const LineInverse inverse = inverses_[i] = invert_line(pair.phi_phi + regularisation, pair.phi_mu,
+                                                                   pair.mu_mu + regularisation, 1e-9);
+            double phi[nw], mu[nw];
+            for (int c = begin; c < end; ++c) {
+                phi[c] = inverse.phi_phi * pair.phi[c] + inverse.phi_mu * pair.mu[c];
+                mu[c] = inverse.phi_mu * pair.phi[c] + inverse.mu_mu * pair.mu[c];
+            }
+            for (int r = begin; r < end; ++r)
+                for (int c = begin; c < end; ++c) W[r * nw + c] -= pair.phi[r] * phi[c] + pair.mu[r] * mu[c];
+        }
+    }
+
+    // From P = P_{k+1} to P_k.
+    static bool step_back(bool coupled, const double* W, const double* F, double* P, StageFactor& out) {
+        for (int i = 0; i < nx; ++i) {
+            for (int j = 0; j < nx; ++j) P[i * nz + j] += W[(na + i) * nw + na + j];
+            P[i * nz + nx] += W[(na + i) * nw + nx];
+            P[nx * nz + i] += W[(na + i) * nw + nx];
+            for (int c = 0; c < na; ++c) out.mixed[i * na + c] = c == nx ? 0 : W[(na + i) * nw + c];
+        }
+        for (int i = 0; i < nz * nz; ++i) out.ahead[i] = P[i];
+        double M[nz * na], G[na * na];
+        for (int i = 0; i < nz; ++i) {
+            for (int c = 0; c < na; ++c) M[i * na + c] = 0;
+            for (int j = 0; j < nx; ++j)
+                for (int c = 0; c < na; ++c) M[i * na + c] += P[i * nz + j] * F[j * na + c];
+            M[i * na + nx] += P[i * nz + nx];
+        }
+        for (int r = 0; r < na; ++r) {
+            for (int c = 0; c < na; ++c) G[r * na + c] = W[r * nw + c];
+            for (int j = 0; j < nx; ++j)
+                for (int c = 0; c < na; ++c) G[r * na + c] += F[j * na + r] * M[j * na + c];
+        }
+        for (int c = 0; c < na; ++c) G[nx * na + c] += M[nx * na + c];
+        if (coupled)
+            for (int r = 0; r < na; ++r)
+                for (int j = 0; j < nx; ++j)
+                    for (int c = 0; c < na; ++c)
+                        G[r * na + c] += out.mixed[j * na + r] * F[j * na + c] + F[j * na + r] * out.mixed[j * na + c];
+        for (int i = 0; i < nu; ++i) {
+            for (int j = 0; j < nu; ++j) out.inputs[i * nu + j] = G[(nz + i) * na + nz + j];
+            for (int c = 0; c < nz; ++c) out.cross[i * nz + c] = G[(nz + i) * na + c];
+        }
+        if (!cholesky<nu>(out.inputs, nu, 1e-12)) return false;
+        for (int c = 0; c < nz; ++c) {
+            double column[nu];
+            for (int i = 0; i < nu; ++i) column[i] = -out.cross[i * nz + c];
+            cholesky_solve<nu>(out.inputs, nu, column);
+            for (int i = 0; i < nu; ++i) out.gain[i * nz + c] = column[i];
+        }
+        for (int r = 0; r < nz; ++r)
+            for (int c = 0; c < nz; ++c) {
+                double sum = G[r * na + c];
+                for (int i = 0; i < nu; ++i) sum += out.cross[i * nz + r] * out.gain[i * nz + c];
+                P[r * nz + c] = sum;
+            }
+        for (int r = 0; r < nz; ++r)
+            for (int c = 0; c < r; ++c) P[r * nz + c] = P[c * nz + r] = 0.5 * (P[r * nz + c] + P[c * nz + r]);
+        return true;
+    }
+
+    // The components of z_0 that are free: (x_0's free ones, t_f).
+    bool factor_root(const double* P) {
+        n_free_ = 0;
+        for (int i = 0; i < nx; ++i)
+            if (std::isnan(problem_.start[i])) free_[n_free_++] = i;
+        if (problem_.free_time()) free_[n_free_++] = nx;
+        for (int r = 0; r < n_free_; ++r)
+            for (int c = 0; c < n_free_; ++c) root_[r * nz + c] = P[free_[r] * nz + free_[c]];
+        return cholesky<nz>(root_, n_free_, 1e-12);
+    }
+
+    void reduce_gradient(const Assembly<Model>& assembly, const Gradient& gradient, int k) {
+        const int parts = problem_.parts.size();
+        double* g = gradient_.data() + k * nw;
+        const int begin = assembly.coupled(k) ? 0 : na, end = assembly.coupled(k) ? nw : na + 3;
+        for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
+            const PairBlock<Model>& pair = assembly.pairs[i];
+            const LineInverse& inverse = inverses_[i];
+            const double a = gradient.lines[2 * i], b = gradient.lines[2 * i + 1];
+            const double phi = inverse.phi_phi * a + inverse.phi_mu * b, mu = inverse.phi_mu * a + inverse.mu_mu * b;
+            for (int c = begin; c < end; ++c) g[c] -= pair.phi[c] * phi + pair.mu[c] * mu;
+        }
+    }
+
+    void vector_back(const Assembly<Model>& assembly, int k, const double* d, double* p) {
+        StageFactor& stage = factors_[k];
+        const double *g = gradient_.data() + k * nw, *F = assembly.sensitivities.end.data() + k * nx * na;
+        for (int i = 0; i < nx; ++i) p[i] += g[na + i];
+        for (int i = 0; i < nz; ++i) stage.value[i] = p[i];
+        double q[nz], h[na];
+        for (int i = 0; i < nz; ++i) {
+            q[i] = p[i];
+            for (int j = 0; j < nx; ++j) q[i] += stage.ahead[i * nz + j] * d[j];
+        }
+        for (int c = 0; c < na; ++c) {
+            h[c] = g[c];
+            for (int j = 0; j < nx; ++j) h[c] += F[j * na + c] * q[j] + stage.mixed[j * na + c] * d[j];
+        }
+        h[nx] += q[nx];
+        for (int i = 0; i < nu; ++i) stage.offset[i] = -h[nz + i];
+        cholesky_solve<nu>(stage.inputs, nu, stage.offset);
+        for (int c = 0; c < nz; ++c) {
+            p[c] = h[c];
+            for (int i = 0; i < nu; ++i) p[c] += stage.cross[i * nz + c] * stage.offset[i];
+        }
+    }
+
+    void solve_root(const double* p, double* dv) {
+        double step[nz];
+        for (int i = 0; i < n_free_; ++i) step[i] = -p[free_[i]];
+        cholesky_solve<nz>(root_, n_free_, step);
+        for (int i = 0; i < nx; ++i) dv[i] = 0;
+        dv[layout_.time] = 0;
+        for (int i = 0; i < n_free_; ++i) dv[free_[i] < nx ? free_[i] : layout_.time] = step[i];
+    }
+
+    void step_forward(const Assembly<Model>& assembly, int k, const double* d, double* dv, double* lam) {
+        const StageFactor& stage = factors_[k];
+        const double *F = assembly.sensitivities.end.data() + k * nx * na, *x = dv + layout_.x(k);
+        double a[na], *next = dv + layout_.x(k + 1);
+        for (int i = 0; i < nx; ++i) a[i] = x[i];
+        a[nx] = dv[layout_.time];
+        for (int i = 0; i < nu; ++i) {
+            double sum = stage.offset[i];
+            for (int c = 0; c < nz; ++c) sum += stage.gain[i * nz + c] * a[c];
+            a[nz + i] = dv[layout_.u(k) + i] = sum;
+        }
+        for (int i = 0; i < nx; ++i) {
+            next[i] = d[i];
+            for (int c = 0; c < na; ++c) next[i] += F[i * na + c] * a[c];
+        }
+        for (int i = 0; i < nx; ++i) {
+            double sum = stage.value[i] + stage.ahead[i * nz + nx] * a[nx];
+            for (int j = 0; j < nx; ++j) sum += stage.ahead[i * nz + j] * next[j];
+            for (int c = 0; c < na; ++c) sum += stage.mixed[i * na + c] * a[c];
+            lam[i] = sum;
+        }
+    }
+
+    void step_lines(const Assembly<Model>& assembly, const Gradient& gradient, int k, double* dv) {
+        const int parts = problem_.parts.size();
+        double w[nw];
+        assembly.gather(dv, k, w);
+        for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
+            const PairBlock<Model>& pair = assembly.pairs[i];
+            double phi = gradient.lines[2 * i], mu = gradient.lines[2 * i + 1];
+            for (int c = 0; c < nw; ++c) phi += pair.phi[c] * w[c], mu += pair.mu[c] * w[c];
+            const LineInverse& inverse = inverses_[i];
+            dv[layout_.aux(i)] = -inverse.phi_phi * phi - inverse.phi_mu * mu;
+            dv[layout_.aux(i) + 1] = -inverse.phi_mu * phi - inverse.mu_mu * mu;
+        }
+    }
+
+    const Problem& problem_;
+    const Layout& layout_;
+    std::vector<StageFactor> factors_;
+    std::vector<LineInverse> inverses_;
+    Vector gradient_;
+    int free_[nz], n_free_ = 0;
+    double root_[nz * nz];
+};
+
+}  // namespace tightspot::stagewise

@@ -1,0 +1,144 @@
+"""The planning problem as plain arrays, stage after stage: what the compiled stagewise solver takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class LineForm:
+    """How the program that the arrays were made beside writes a separating line; x and the multipliers go by it.
+
+    Attributes:
+        vector: Variables (lam, mu) with a row ``|lam|^2 <= 1`` at the pair's end, instead of (phi, mu).
+        in_body: phi and mu are those of the part's frame at the interval's end, instead of the world's.
+        body_first: The body's rows come before the obstacle's.
+    """
+
+    vector: bool = False
+    in_body: bool = False
+    body_first: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class StageProblem:
+    """Minimise ``time_weight t_f + c sum_k widths[k] |u_k|^2_P``, c = t_f or 1, subject to
+
+    - ``x_{k+1} = F_k(x_k, u_k, t_f)``: ``pieces[k] * substeps[k]`` Runge-Kutta steps over ``widths[k] * t_f``;
+    - bounds, start and goal;
+    - walls: ``offset - n . V >= demand`` for every vertex V of a part at a sample;
+    - pairs, with a line ``{q: n . q = mu}``, n = (cos phi, sin phi), each: ``n . V >= mu + demand`` for every vertex of
+      the part at a sample, ``n . O_j <= mu - side`` for every vertex of the obstacle part.
+
+    Samples of interval k: x_k, the states after each of its pieces but the last, and x_{k+1}; S in all. A demand is
+    ``constant + weight * cover``, where the cover is the vehicle's acceleration bound times the piece's duration
+    squared over 8 (see :meth:`tightspot.vehicles.VehicleModel.acceleration_bound`).
+
+    SI units; N intervals, n_x states, n_u inputs. Arrays are contiguous; the solver refuses others.
+
+    Attributes:
+        model: Name of the compiled model: ``"single_track"``.
+        parameters: The model's numbers.
+        widths: Fractions of the horizon, (N,).
+        pieces: Sub-intervals of each interval, (N,).
+        substeps: Runge-Kutta steps of each piece, (N,).
+        time_weight: r.
+        input_weights: Diagonal of P, (n_u,).
+        time_scaled: c = t_f; otherwise c = 1.
+        state_low: (n_x,), infinite where free; hold at all knots, where start and goal leave the state free.
+        state_high: (n_x,).
+        input_low: (n_u,).
+        input_high: (n_u,).
+        time_low: Bounds of t_f; equal: fixed.
+        time_high: See ``time_low``.
+        start: (n_x,), NaN where free.
+        goal: (n_x,), NaN where free.
+        part_vertices: Body-frame vertices of all parts, (.., 2).
+        part_first: First vertex of each part, and the number of vertices at the end, (parts + 1,).
+        part_radii: Largest distance of a vertex from its frame's origin, (parts,).
+        obstacle_vertices: (.., 2).
+        obstacle_first: (obstacle parts + 1,).
+        pairs: (interval, part, obstacle part) of each pair, sorted, (n, 3).
+        pair_origins: The point that mu is measured from, which improves conditioning only, (n, 2).
+        pair_sides: (constant, weight) of the demand on the obstacle's side, (n, 2).
+        walls: (interval, part), sorted, (w, 2).
+        wall_lines: (normal, offset) of the half-planes ``normal . q <= offset``, (w, 3).
+        pair_demands: (constant, weight) at each sample, NaN where no row stands, (S, 2).
+        wall_demands: The same for walls, (S, 2).
+        states: Starting point, (N + 1, n_x).
+        inputs: (N, n_u).
+        final_time: s.
+        lines: (phi, mu) of each pair, mu measured from the world's origin, (n, 2).
+        form: How x and the multipliers of reports write lines.
+    """
+
+    model: str
+    parameters: Array
+    widths: Array
+    pieces: Integers
+    substeps: Integers
+    time_weight: float
+    input_weights: Array
+    time_scaled: bool
+    state_low: Array
+    state_high: Array
+    input_low: Array
+    input_high: Array
+    time_low: float
+    time_high: float
+    start: Array
+    goal: Array
+    part_vertices: Array
+    part_first: Integers
+    part_radii: Array
+    obstacle_vertices: Array
+    obstacle_first: Integers
+    pairs: Integers
+    pair_origins: Array
+    pair_sides: Array
+    walls: Integers
+    wall_lines: Array
+    pair_demands: Array
+    wall_demands: Array
+    states: Array
+    inputs: Array
+    final_time: float
+    lines: Array
+    form: LineForm
+
+    @property
+    def steps(self) -> int:
+        """N."""
+        return int(self.widths.size)
+
+    def starting_point(self) -> Array:
+        """The core's variables: states, inputs, t_f, then (phi, mu) of each pair with mu from the pair's origin."""
+        return self.variables(self.states, self.inputs, self.final_time, self.lines)
+
+    def variables(self, states: Array, inputs: Array, final_time: float, lines: Array) -> Array:
+        """The core's variables from states, inputs, t_f and world lines."""
+        return np.concatenate([states.ravel(), inputs.ravel(), [final_time], self._shifted(lines, -1.0).ravel()])
+
+    def unpack(self, v: Array) -> tuple[Array, Array, float, Array]:
+        """States, inputs, t_f and world lines of the core's variables."""
+        n_x, n_u, steps = self.start.size, self.input_weights.size, self.steps
+        states, rest = v[: (steps + 1) * n_x].reshape(steps + 1, n_x), v[(steps + 1) * n_x :]
+        inputs, rest = rest[: steps * n_u].reshape(steps, n_u), rest[steps * n_u :]
+        return states, inputs, float(rest[0]), self._shifted(rest[1:].reshape(-1, 2), 1.0)
+
+    def _shifted(self, lines: Array, sign: float) -> Array:
+        phi, mu = lines.T
+        along = np.cos(phi) * self.pair_origins[:, 0] + np.sin(phi) * self.pair_origins[:, 1]
+        return np.column_stack([phi, mu + sign * along])
+
+    def replaced(self, **changes: Any) -> StageProblem:
+        """A copy with other arrays."""
+        fields = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return StageProblem(**(fields | changes))

@@ -1,0 +1,229 @@
+"""The same program as :func:`tightspot.transcription.transcribe` writes, as plain arrays for the stagewise solver."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.errors import InputError, Problem
+from tightspot.formulations import Formulation, SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
+from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.geometry.separation import best_line
+from tightspot.geometry.transforms import nearest_angle, transform
+from tightspot.scenarios.scenario import Scenario
+from tightspot.solvers.stage_problem import LineForm, StageProblem
+from tightspot.trajectory import Trajectory
+from tightspot.transcription.grid import TimeGrid
+from tightspot.transcription.objective import EnergyForm
+from tightspot.transcription.sampling import resample
+from tightspot.transcription.transcribe import Settings, _misfits, _with_usable_margins
+from tightspot.vehicles.base import VehicleModel
+from tightspot.vehicles.single_track import SingleTrack
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_FORMS: dict[type[Formulation], LineForm] = {
+    UnitNormalLine: LineForm(in_body=True, body_first=True),
+    SeparatingLine: LineForm(vector=True, body_first=True),
+    SweptUnitNormalLine: LineForm(),
+    SweptLine: LineForm(vector=True),
+}
+
+
+def fits_stages(vehicle: VehicleModel, formulation: Formulation) -> bool:
+    """True if the stagewise solver has the vehicle's model compiled in and can write the formulation's lines."""
+    return type(vehicle) is SingleTrack and type(formulation) in _FORMS
+
+
+def stage_problem(
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    guess: Trajectory,
+    settings: Settings,
+    *,
+    grid: TimeGrid,
+    active: NDArray[np.bool_] | None = None,
+    walls: NDArray[np.bool_] | None = None,
+    start: Array | None = None,
+    goal: Array | None = None,
+) -> StageProblem:
+    """The arguments of :func:`tightspot.transcription.transcribe`, and the same program, without any symbols.
+
+    Raises:
+        InputError: An argument does not fit the others, or the stagewise solver does not know the vehicle's model or
+            the formulation (see :func:`fits_stages`).
+    """
+    obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+    shape = (grid.steps, len(vehicle.parts))
+    active = np.ones((*shape, len(obstacles)), bool) if active is None else active
+    walls = np.ones((*shape, len(scenario.workspace.b)), bool) if walls is None else walls
+    start = np.array(scenario.start if start is None else start, float)
+    goal = np.array(scenario.goal if goal is None else goal, float)
+    problems = _misfits(vehicle, guess, settings, {"start": start, "goal": goal})
+    for name, mask, last in (("active", active, len(obstacles)), ("walls", walls, len(scenario.workspace.b))):
+        if mask.shape != (*shape, last):
+            problems.append(Problem(name, f"has shape {mask.shape}, but this problem needs {(*shape, last)}"))
+    if not fits_stages(vehicle, settings.formulation):
+        sentence = f"the stagewise solver takes neither {type(vehicle).__name__} with {settings.formulation.name}"
+        problems.append(Problem("solver", f"{sentence}; choose single-track with a line formulation, or ipopt"))
+    if problems:
+        raise InputError(problems)
+    guess = resample(guess, grid)
+    goal[2] = nearest_angle(goal[2], guess.states[-1, 2])
+    start[2] = nearest_angle(start[2], guess.states[0, 2])
+    settings = _with_usable_margins(settings)
+    return _arrays(scenario, vehicle, obstacles, guess, settings, grid, active, walls, start, goal)
+
+
+def _arrays(
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    obstacles: list[ConvexPolygon],
+    guess: Trajectory,
+    settings: Settings,
+    grid: TimeGrid,
+    active: NDArray[np.bool_],
+    walls: NDArray[np.bool_],
+    start: Array,
+    goal: Array,
+) -> StageProblem:
+    assert isinstance(vehicle, SingleTrack)
+    pieces = np.array(settings.pieces(grid.steps), np.int64)
+    pairs, wall_indices = np.argwhere(active), np.argwhere(walls)
+    fixed = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
+    pair_demands, sides, wall_demands = _demands(settings, pieces, fixed)
+    low, high = (bound.copy() for bound in vehicle.state_bounds)
+    low[2], high[2] = max(low[2], -settings.heading_limit), min(high[2], settings.heading_limit)
+    states = np.clip(guess.states, low, high)
+    for k, state in ((0, start), (-1, goal)):
+        states[k] = np.where(np.isnan(state), states[k], state)
+    time_low, time_high = settings.final_time_bounds
+    edges = wall_indices[:, 2]
+    lines, origins = _lines(vehicle, obstacles, guess, pieces, pairs, settings.formulation)
+    steering = vehicle.limits.steering
+    part_vertices, part_first = _stacked([part.polygon for part in vehicle.parts])
+    obstacle_vertices, obstacle_first = _stacked(obstacles)
+    return StageProblem(
+        model="single_track",
+        parameters=np.array([vehicle.wheelbase, steering, np.tan(steering)]),
+        widths=grid.widths,
+        pieces=pieces,
+        substeps=-(-settings.substeps // pieces),
+        time_weight=float(settings.objective.time_weight),
+        input_weights=np.array(settings.objective.input_weights, float),
+        time_scaled=settings.objective.energy is EnergyForm.TIME_SCALED,
+        state_low=low,
+        state_high=high,
+        input_low=vehicle.input_bounds[0],
+        input_high=vehicle.input_bounds[1],
+        time_low=float(time_low),
+        time_high=float(time_high),
+        start=start,
+        goal=goal,
+        part_vertices=part_vertices,
+        part_first=part_first,
+        part_radii=np.array([part.polygon.radius for part in vehicle.parts]),
+        obstacle_vertices=obstacle_vertices,
+        obstacle_first=obstacle_first,
+        pairs=pairs,
+        pair_origins=origins,
+        pair_sides=np.ascontiguousarray(sides[pairs[:, 0]]),
+        walls=np.ascontiguousarray(wall_indices[:, :2]),
+        wall_lines=np.column_stack([scenario.workspace.A[edges], scenario.workspace.b[edges]]),
+        pair_demands=pair_demands,
+        wall_demands=wall_demands,
+        states=states,
+        inputs=np.clip(guess.inputs, *vehicle.input_bounds),
+        final_time=float(np.clip(guess.duration, time_low, time_high)),
+        lines=lines,
+        form=_FORMS[type(settings.formulation)],
+    )
+
+
+def _stacked(polygons: list[ConvexPolygon]) -> tuple[Array, Integers]:
+    """All vertices, and where each polygon's begin."""
+    first = np.cumsum([0, *(len(polygon.vertices) for polygon in polygons)], dtype=np.int64)
+    vertices = np.concatenate([polygon.vertices for polygon in polygons]) if polygons else np.zeros((0, 2))
+    return np.ascontiguousarray(vertices, float), first
+
+
+def _demands(settings: Settings, pieces: Integers, fixed: tuple[bool, bool]) -> tuple[Array, Array, Array]:
+    """Demands (constant, weight of the cover) of pairs by sample, of the obstacle's side by interval, of walls by sample.
+
+    The clearance d at a sample is the margin plus the cover; where the pose is given it is the end margin alone. Half
+    the first sample's clearance lies on the obstacle's side of the line, d less that half on the body's.
+    """
+    last = np.cumsum(pieces + 1) - 1
+    first = last - pieces
+    on_interval = settings.formulation.holds == "interval"
+    cover = 1.0 if on_interval else 0.0
+    end_margin = settings.margin if settings.end_margin is None else settings.end_margin
+    clearance = np.tile([settings.margin, cover], (last[-1] + 1, 1))
+    wall = np.tile([settings.workspace_margin, cover], (last[-1] + 1, 1))
+    if fixed[0]:
+        clearance[0], wall[0] = (end_margin, 0.0), np.nan
+    if fixed[1]:
+        clearance[-1], wall[-1] = (end_margin, 0.0), 0.0
+    sides = clearance[first if on_interval else last] / 2
+    pair = clearance - np.repeat(sides, pieces + 1, axis=0)
+    if not on_interval:
+        pair[first] = wall[first] = np.nan
+    return pair, sides, wall
+
+
+def _lines(
+    vehicle: VehicleModel,
+    obstacles: list[ConvexPolygon],
+    guess: Trajectory,
+    pieces: Integers,
+    pairs: Integers,
+    formulation: Formulation,
+) -> tuple[Array, Array]:
+    """Closed-form lines (phi, mu) of the guess and their origins, for all pairs at once, (n, 2) each.
+
+    As :func:`tightspot.formulations.lines.line_of_guess`: the best normal at the interval's middle pose, and the offset
+    midway between the obstacle and the body at all the interval's poses.
+    """
+    lines, origins = np.zeros((len(pairs), 2)), np.zeros((len(pairs), 2))
+    if not len(pairs):
+        return lines, origins
+    interval = np.repeat(np.arange(pieces.size), pieces + 1)
+    first = np.concatenate([[0], np.cumsum(pieces + 1)[:-1]])
+    weight = ((np.arange(interval.size) - first[interval]) / pieces[interval])[:, None]
+    if formulation.holds == "knots":
+        weight[:] = 1.0
+    states = (1 - weight) * guess.states[interval] + weight * guess.states[interval + 1]
+    frames = vehicle.frames(list(states.T), np)
+    padded = _padded(obstacles)
+    for index, part in enumerate(vehicle.parts):
+        mine = np.flatnonzero(pairs[:, 1] == index)
+        if not mine.size:
+            continue
+        k = pairs[mine, 0]
+        poses = np.column_stack(frames[part.frame])
+        body = transform(part.polygon.vertices, poses)
+        middle = first[k] + (pieces[k] + 1) // 2
+        O = padded[pairs[mine, 2]]
+        normal = best_line(body[middle], O).normal
+        farthest = np.einsum("pji,pi->pj", O, normal).max(axis=1)
+        of_pair = np.repeat(np.arange(mine.size), pieces[k] + 1)
+        starts = np.concatenate([[0], np.cumsum(pieces[k] + 1)[:-1]])
+        sample = first[k][of_pair] + np.arange(of_pair.size) - starts[of_pair]
+        nearest = np.einsum("svi,si->sv", body[sample], normal[of_pair]).min(axis=1)
+        offset = (np.minimum.reduceat(nearest, starts) + farthest) / 2
+        lines[mine] = np.column_stack([np.arctan2(normal[:, 1], normal[:, 0]), offset])
+        position = poses[middle, :2]
+        away = np.einsum("pi,pi->p", normal, position) - offset
+        origins[mine] = position - away[:, None] * normal
+    return lines, origins
+
+
+def _padded(obstacles: list[ConvexPolygon]) -> Array:
+    """Vertices of all obstacle parts, (parts, most, 2), the last one repeated where there are fewer."""
+    most = max(len(polygon.vertices) for polygon in obstacles)
+    result = np.empty((len(obstacles), most, 2))
+    for row, polygon in zip(result, obstacles, strict=True):
+        count = len(polygon.vertices)
+        row[:count], row[count:] = polygon.vertices, polygon.vertices[-1]
+    return result
