@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tightspot.errors import InputError
-from tightspot.formulations import FORMULATIONS, SeparatingLine, SweptLine, UnitNormalLine
+from tightspot.formulations import FORMULATIONS, SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
 from tightspot.geometry import ConvexPolygon, clearance, transform
 from tightspot.guesses import LinearInterpolation
 from tightspot.scenarios import Obstacle, Scenario
@@ -76,11 +76,16 @@ def test_counts_with_different_polygons(member, auxiliary, extra):
     assert nlp.n_rows == 5 * 4 + 4 * 4 * 4 + ((4 + 3 + extra) + (4 + 4 + extra)) * 4
 
 
-def test_counts_of_a_line_shared_by_an_interval():
-    nlp = make(settings=Settings(formulation=SweptLine(), poses=3), steps=4).nlp
-    assert nlp.n_variables == 5 * 5 + 2 * 4 + 1 + 2 * 2 * 4
-    workspace = 4 * 4 * 3 * 4
-    assert nlp.n_rows == 5 * 4 + workspace + ((4 * 4 + 3) + (4 * 4 + 4)) * 4
+@pytest.mark.parametrize(("member", "auxiliary", "extra"), [(SweptLine(), 3, 1), (SweptUnitNormalLine(), 2, 0)])
+@pytest.mark.parametrize("poses", [(3, 3, 3, 3), (1, 3, 2, 1)])
+def test_counts_of_a_line_shared_by_an_interval(member, auxiliary, extra, poses):
+    nlp = make(settings=Settings(formulation=member, poses=poses), steps=4).nlp
+    assert nlp.n_variables == 5 * 5 + 2 * 4 + 1 + auxiliary * 2 * 4
+    standing = sum(poses) + 4  # at both ends of an interval and in between
+    workspace = 4 * 4 * (standing - 1)  # the start is given
+    assert nlp.n_rows == 5 * 4 + workspace + 2 * 4 * standing + (3 + 4) * 4 + 2 * extra * 4
+    same = make(settings=Settings(formulation=member, poses=3), steps=4).nlp
+    assert (same.n_rows == nlp.n_rows) == (poses == (3, 3, 3, 3))
 
 
 @pytest.mark.parametrize("member", MEMBERS, ids=lambda member: member.name)
@@ -224,7 +229,7 @@ def test_margins_demand_what_they_say_at_free_and_at_fixed_poses():
 
 
 @pytest.mark.parametrize("free", ["start", "goal"])
-@pytest.mark.parametrize("member", [UnitNormalLine(), SweptLine()], ids=lambda member: member.name)
+@pytest.mark.parametrize("member", [UnitNormalLine(), SweptUnitNormalLine()], ids=lambda member: member.name)
 def test_a_free_pose_demands_the_full_margin(member, free):
     """Whether a pose is fixed is asked of the end at which it stands."""
     scenario = scene()
@@ -240,7 +245,7 @@ def test_a_free_pose_demands_the_full_margin(member, free):
 
 def margins_used(nlp, member, knot):
     """Which margin each pose of a knot's first pair demands: the derivatives of the gap by the margins."""
-    blocks = [block for block in by_kind(nlp, "separation", knot) if block.detail.endswith("part 0")]
+    blocks = [block for block in by_kind(nlp, "separation", knot) if block.key[1] == 0]
     obstacle, *body = blocks if member.holds == "interval" else blocks[::-1]
     used = []
     for block in body:
@@ -256,7 +261,7 @@ def test_pairs_left_out_add_neither_variables_nor_rows():
     active[0] = active[2, 0, 1] = False
     nlp = make(settings=Settings(formulation=UnitNormalLine()), active=active).nlp
     assert nlp.n_variables == 5 * 5 + 2 * 4 + 1 + 2 * 5
-    kept = {(block.knot, block.detail[-1]) for block in by_kind(nlp, "separation")}
+    kept = {(block.knot, str(block.key[1])) for block in by_kind(nlp, "separation")}
     assert kept == {(2, "0"), (2, "1"), (3, "0"), (4, "0"), (4, "1")}
     none = make(active=np.zeros((4, 1, 2), bool)).nlp
     assert not by_kind(none, "separation")
@@ -343,7 +348,7 @@ def test_obstacles_and_weights_are_parameters():
 def test_swept_rows_ask_for_the_margin_and_the_cover_at_free_poses():
     """Against the rows written out by hand, with an independent integration of the poses in between."""
     rng = np.random.default_rng(10)
-    settings = Settings(formulation=SweptLine(), margin=0.07, end_margin=0.01, poses=2, substeps=4)
+    settings = Settings(formulation=SweptUnitNormalLine(), margin=0.07, end_margin=0.01, poses=2, substeps=4)
     nlp = make(scene(), settings, steps=3).nlp
     x = random_point(nlp, rng)
     rows, k = rows_of(nlp, x), 2
@@ -354,7 +359,7 @@ def test_swept_rows_ask_for_the_margin_and_the_cover_at_free_poses():
     cover = bound * (h / 2) ** 2 / 8
     phi, mu = x[nlp.stages[2].auxiliary][:2]
     n = np.array([np.cos(phi), np.sin(phi)])
-    blocks = [block for block in by_kind(nlp, "separation", k) if block.detail.endswith("part 0")]
+    blocks = [block for block in by_kind(nlp, "separation", k) if block.key[1] == 0]
     triangle = scene().obstacle_parts[0][1].vertices
     base = (0.07 + cover) / 2
     np.testing.assert_allclose(rows[blocks[0].rows], triangle @ n - mu + base, atol=1e-12)
@@ -369,6 +374,8 @@ def test_swept_rows_ask_for_the_margin_and_the_cover_at_free_poses():
     [
         ({"substeps": 0}, "substeps"),
         ({"poses": 0}, "poses"),
+        ({"poses": (2, 0)}, "poses"),
+        ({"poses": ()}, "poses"),
         ({"margin": -0.1}, "margin"),
         ({"margin": np.nan}, "margin"),
         ({"end_margin": np.inf}, "end_margin"),
@@ -392,6 +399,8 @@ def test_arguments_that_do_not_fit_are_refused():
         make(active=np.ones((4, 1, 1), bool))
     with pytest.raises(InputError, match=r"objective.input_weights: needs 2 numbers"):
         make(settings=Settings(objective=Objective(1.0, (1.0,))))
+    with pytest.raises(InputError, match=r"poses: has 3 numbers for 4 intervals; give one or 4"):
+        make(settings=Settings(formulation=SweptLine(), poses=(1, 2, 1)))
     with pytest.raises(InputError, match="guess"):
         make(guess=Trajectory([0, 1], np.zeros((2, 3)), np.zeros((1, 2)), ("x", "y", "theta")))
     with pytest.raises(InputError, match="goal"):
@@ -401,7 +410,7 @@ def test_arguments_that_do_not_fit_are_refused():
 @pytest.mark.parametrize(("poses", "substeps"), [(1, 4), (2, 4), (3, 4), (4, 4), (2, 3)])
 def test_poses_between_the_knots_are_integrated_as_finely_as_the_knots(poses, substeps):
     """With at least the demanded substeps an interval, whatever their number has to do with the poses."""
-    car, settings = vehicle("tpcap"), Settings(formulation=SweptLine(), poses=poses, substeps=substeps)
+    car, settings = vehicle("tpcap"), Settings(formulation=SweptUnitNormalLine(), poses=poses, substeps=substeps)
     nlp = make(settings=settings, steps=2, car=car).nlp
     x = nlp.x0.copy()
     before, control, h = np.array([0, 0, 0, 2.4, -0.7]), np.array([-0.9, 0.5]), 2.0
@@ -409,7 +418,7 @@ def test_poses_between_the_knots_are_integrated_as_finely_as_the_knots(poses, su
     rows = rows_of(nlp, x)
     phi, mu = x[nlp.stages[1].auxiliary][:2]
     n = np.array([np.cos(phi), np.sin(phi)])
-    blocks = [block for block in by_kind(nlp, "separation", 1) if block.detail.endswith("part 0")][2:-1]
+    blocks = [block for block in by_kind(nlp, "separation", 1) if block.key[1] == 0][2:-1]
     assert len(blocks) == poses - 1
     cover = float(
         rows[by_kind(nlp, "separation", 1)[0].rows].max() - (scene().obstacle_parts[0][1].vertices @ n - mu).max()

@@ -32,7 +32,7 @@ struct SearchOptions {
     int extra_expansions = 1000;  ///< go on after the first path for that many, or half of those it took
     int max_expansions = 100000;
     double time_limit = 10.0;  ///< s
-    bool keep_closed = false;  ///< also return the poses expanded
+    bool keep_closed = false;  ///< also return the poses expanded; if disconnected, all that can be reached
 };
 
 /// `disconnected`: not even the body's inscribed disc gets from one end to the other, so there is no path at all.
@@ -90,7 +90,9 @@ public:
             target_ = options_.backward ? start : goal;
             DistanceGrid grid(checker_, {target_.x, target_.y},
                               std::max(options_.cell, 0.12 * checker_.footprint().narrowest));
+            explores_ = options_.keep_closed && !grid.is_connected({root.x, root.y});
             result.outcome = search(root, grid, began, interrupt, result);
+            if (explores_ && result.outcome != Outcome::interrupted) result.outcome = Outcome::disconnected;
             if (best_node_ >= 0) result.arcs = path();
             result.cost = best_cost_;
         }
@@ -140,7 +142,7 @@ private:
 
     Outcome search(const Pose& root, DistanceGrid& grid, Clock::time_point began, const Interrupt& interrupt,
                    SearchResult& result) {
-        if (!grid.is_connected({root.x, root.y})) return Outcome::disconnected;
+        if (!explores_ && !grid.is_connected({root.x, root.y})) return Outcome::disconnected;
         add({root, {}, 0.0, 0.0, checker_.slack(root), cells_.key(root, 0), -1, 0, false}, grid);
         while (!open_.empty()) {
             const Entry entry = pop();
@@ -164,7 +166,7 @@ private:
     }
 
     void add(const Node& node, DistanceGrid& grid) {
-        const double left = grid.lower_bound({node.pose.x, node.pose.y});
+        const double left = explores_ ? 0.0 : grid.lower_bound({node.pose.x, node.pose.y});
         if (!std::isfinite(left)) return;
         const int index = static_cast<int>(nodes_.size());
         nodes_.push_back(node);
@@ -290,6 +292,7 @@ private:
     std::vector<Entry> open_;
     ClosedSet closed_;
     std::vector<PricedWord> words_;
+    bool explores_ = false;  ///< there is no way to the target: only look what can be reached
     std::int64_t expansion_limit_ = options_.max_expansions;
     std::int64_t next_connection_ = 0;
     double nearest_left_ = HUGE_VAL;

@@ -35,7 +35,9 @@ class Builder:
         grid: TimeGrid,
         active: NDArray[np.bool_],
         walls: NDArray[np.bool_],
+        names: Sequence[str],
     ) -> None:
+        self.names = names
         self.vehicle, self.workspace, self.obstacles = vehicle, workspace, obstacles
         self.settings, self.grid, self.active, self.walls = settings, grid, active, walls
         self.x: list[Any] = []
@@ -247,7 +249,7 @@ class Builder:
         auxiliary, place = self._variables(f"aux{k}_{part_index}_{obstacle_index}", lower, upper, start)
         self.lines[k - 1, part_index, obstacle_index] = place
         self.penalty += self.final_time * float(self.grid.widths[k - 1]) * formulation.penalty(auxiliary)
-        detail = f"{part.name} against obstacle part {obstacle_index}"
+        detail = f"{part.name} against {self.names[obstacle_index]}"
         for index, rows in enumerate(formulation.rows(auxiliary, pair)):
             self._rows(*rows, "separation", k, detail, (part_index, obstacle_index, index))
 

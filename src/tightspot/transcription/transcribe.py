@@ -183,7 +183,8 @@ def transcribe(
     goal[2] = nearest_angle(goal[2], onto_grid.states[-1, 2])
     start[2] = nearest_angle(start[2], onto_grid.states[0, 2])
     settings = _with_usable_margins(settings)
-    builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active, walls)
+    names = [name for name, _ in scenario.obstacle_parts]
+    builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active, walls, names)
     nlp = builder.build(start, goal, onto_grid)
     return Transcription(nlp, grid, settings, active, vehicle, builder.lines)
 
