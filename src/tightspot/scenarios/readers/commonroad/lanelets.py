@@ -1,0 +1,89 @@
+"""CommonRoad's lanelets: the road as polygons, and what is beside it as obstacles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from tightspot.errors import InputError, Problem
+from tightspot.scenarios.readers.commonroad.shapes import polygon
+from tightspot.scenarios.readers.commonroad.xml_tree import Node
+
+Array = NDArray[np.float64]
+
+Lanelets = Literal["ignore", "boundary"]
+"""Whether the vehicle may leave the road."""
+LANELETS: tuple[Lanelets, ...] = get_args(Lanelets)
+
+GAP = 0.02
+"""Gaps between lanelets narrower than this belong to the road, m: neighbours rarely share their border exactly."""
+REACH = 50.0
+"""Of a road network only what is this near to start or goal is used, m."""
+
+
+@dataclass(frozen=True)
+class Lanelet:
+    """A piece of road between two borders with the same number of points, m, each (n, 2), in driving direction."""
+
+    left: Array
+    right: Array
+
+    @property
+    def outline(self) -> shapely.Polygon:
+        """Its area; may cross itself if the borders do."""
+        return shapely.Polygon(np.vstack([self.right, self.left[::-1]]))
+
+    def middle(self) -> tuple[Array, float]:
+        """The point half way along the centre line, m, (2,), and the heading there, rad."""
+        centre = shapely.LineString((self.left + self.right) / 2)
+        here, ahead, behind = (
+            shapely.get_coordinates(shapely.line_interpolate_point(centre, share, normalized=True))[0]
+            for share in (0.5, 0.51, 0.49)
+        )
+        return here, float(np.arctan2(*(ahead - behind)[::-1]))
+
+
+def checked_lanelets(lanelets: str) -> Lanelets:
+    """The policy if there is such a one; raises :class:`InputError` with those there are."""
+    for known in LANELETS:
+        if lanelets == known:
+            return known
+    raise InputError(Problem("lanelets", f"{lanelets!r} is not known; it is {' or '.join(LANELETS)}"))
+
+
+def read_lanelet(node: Node) -> Lanelet:
+    """One lanelet; raises :class:`SceneError` if its borders are none."""
+    left, right = (polygon(node.child(name)) for name in ("leftBound", "rightBound"))
+    if len(left) != len(right) or len(left) < 2:
+        raise node.refuse(f"has borders of {len(left)} and {len(right)} points; both need the same number, at least 2")
+    return Lanelet(left, right)
+
+
+def beside_the_road(road: list[Lanelet], ends: Array) -> tuple[Array, list[tuple[Array, list[Array]]]]:
+    """The box around the road near start and goal, and the polygons in it that are not road.
+
+    Args:
+        road: All lanelets.
+        ends: Positions of start and goal, m, (2, 2).
+
+    Returns:
+        ``[[x_min, y_min], [x_max, y_max]]`` and (exterior, holes) of each polygon, m.
+    """
+    low, high = ends.min(axis=0) - REACH, ends.max(axis=0) + REACH
+    reach = shapely.box(*low, *high)
+    area = shapely.union_all([shapely.make_valid(lanelet.outline) for lanelet in road])
+    # Mitred, so that straight borders come back where they were.
+    closed = area.buffer(GAP / 2, join_style="mitre").buffer(-GAP / 2, join_style="mitre")
+    near = closed.intersection(reach)
+    box = near.envelope if near.area > 0 else reach
+    beside = [part for part in shapely.get_parts(box.difference(near)) if part.geom_type == "Polygon"]
+    bounds = np.array(box.bounds).reshape(2, 2)
+    return bounds, [(_ring(part.exterior), [_ring(hole) for hole in part.interiors]) for part in beside]
+
+
+def _ring(ring: shapely.LinearRing) -> Array:
+    return np.asarray(shapely.get_coordinates(ring)[:-1])
