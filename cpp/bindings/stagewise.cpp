@@ -211,7 +211,7 @@ class Solver {
         answer["iterations"] = outcome.iterations, answer["factorisations"] = outcome.factorisations;
         answer["objective"] = outcome.objective, answer["violation"] = outcome.violation;
         answer["stationarity"] = outcome.stationarity, answer["complementarity"] = outcome.complementarity;
-        answer["seconds"] = outcome.seconds;
+        answer["seconds"] = outcome.seconds, answer["residual"] = outcome.residual;
         answer["v"] = flat(point.v), answer["s"] = flat(point.s), answer["z"] = flat(point.z);
         answer["zb"] = flat(point.zb), answer["lam"] = flat(point.lam), answer["nu"] = flat(point.nu);
         answer["rows"] = flat(core_->values().rows), answer["defects"] = flat(core_->values().defects);

@@ -2,10 +2,251 @@
 
 from __future__ import annotations
 
-from typing import Any
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
-from tightspot.errors import InputError, Problem
+import numpy as np
+
+from tightspot.errors import BuildError, InputError, Problem
+from tightspot.solvers.base import (
+    Array,
+    Iteration,
+    IterationCallback,
+    Solver,
+    SolveReport,
+    SolveStatus,
+    WarmStart,
+)
+from tightspot.solvers.nlp import Nlp
+from tightspot.solvers.stage_order import CorePoint, order_of
 from tightspot.solvers.stage_problem import StageProblem
+
+_STATUS = {
+    "solved": SolveStatus.SOLVED,
+    "acceptable": SolveStatus.ACCEPTABLE,
+    "infeasible": SolveStatus.INFEASIBLE,
+    "iteration_limit": SolveStatus.ITERATION_LIMIT,
+    "time_limit": SolveStatus.TIME_LIMIT,
+    "stopped": SolveStatus.STOPPED,
+    "diverged": SolveStatus.DIVERGED,
+    "numerical": SolveStatus.NUMERICAL,
+}
+LOG_COLUMNS = (
+    "iteration", "objective", "violation", "stationarity", "complementarity", "barrier", "regularisation",
+    "primal_step", "dual_step", "trials",
+)  # fmt: skip
+"""What the columns of a report's log mean."""
+
+
+@dataclass(frozen=True, eq=False)
+class StagePoint:
+    """Where a solve ended, in the core's order: enough to start another one of the same structure.
+
+    Attributes:
+        v: States, inputs, t_f, (phi, mu) of each pair.
+        s: Slacks of the rows, (m,).
+        z: Multipliers of the rows, (m,).
+        zb: Multipliers of the bounds.
+        lam: Multipliers of the dynamics, N n_x.
+        nu: Multipliers of the goal, n_x.
+    """
+
+    v: Array
+    s: Array
+    z: Array
+    zb: Array
+    lam: Array
+    nu: Array
+
+
+@dataclass(frozen=True, eq=False)
+class StageReport(SolveReport):
+    """A :class:`SolveReport` whose vectors are in the order of the Nlp that says the same, and the stagewise ones.
+
+    Attributes:
+        point: The last iterate, to start another solve from.
+        states: (N + 1, n_x).
+        inputs: (N, n_u).
+        final_time: s.
+        log: One line an iteration, columns :data:`LOG_COLUMNS`.
+    """
+
+    point: StagePoint | None = None
+    states: Array | None = None
+    inputs: Array | None = None
+    final_time: float = np.nan
+    log: Array | None = None
+
+
+@dataclass(frozen=True)
+class Stagewise(Solver):
+    """Primal-dual interior-point method that eliminates each line by itself and sweeps over the stages.
+
+    See docs/stagewise-solver.md. It takes a :class:`StageProblem`, not an :class:`Nlp`. Deterministic; releases the
+    GIL; allocates nothing after set-up.
+
+    Attributes:
+        tolerance: Of violation, and of stationarity and complementarity scaled as IPOPT does.
+        max_iterations: Limit.
+        time_limit: Wall-clock limit of one solve, s.
+        initial_barrier: mu_0; ``None``: chosen from the objective at the start.
+    """
+
+    name: ClassVar[str] = "stagewise"
+    tolerance: float = 1e-8
+    max_iterations: int = 500
+    time_limit: float = 10.0
+    initial_barrier: float | None = None
+
+    def __post_init__(self) -> None:
+        problems = [
+            Problem(f"solver.{name}", f"{value} must be positive and finite")
+            for name in ("tolerance", "time_limit", "initial_barrier")
+            if (value := getattr(self, name)) is not None and not (np.isfinite(value) and value > 0)
+        ]
+        if self.max_iterations < 0:
+            problems.append(Problem("solver.max_iterations", f"{self.max_iterations} must not be negative"))
+        if problems:
+            raise InputError(problems)
+
+    def with_time_limit(self, seconds: float) -> Stagewise:
+        return replace(self, time_limit=min(self.time_limit, max(seconds, 1e-3)))
+
+    def solve(
+        self, nlp: Nlp, *, warm: WarmStart | None = None, callback: IterationCallback | None = None
+    ) -> SolveReport:
+        """Not possible: an Nlp is symbols, this solver takes arrays.
+
+        Raises:
+            InputError: Always.
+        """
+        raise InputError(Problem("solver", "stagewise solves a StageProblem, not an Nlp; use solve_stages, or ipopt"))
+
+    def solve_stages(
+        self, problem: StageProblem, *, warm: StagePoint | None = None, callback: IterationCallback | None = None
+    ) -> StageReport:
+        """Solve from the problem's own start, or from a point of an earlier solve of the same structure.
+
+        Args:
+            problem: From :func:`tightspot.transcription.stage_problem`.
+            warm: :attr:`StageReport.point` of a problem with as many intervals, pairs and rows.
+            callback: Called after each iteration; return ``False`` to stop.
+
+        Returns:
+            A report whatever happens: a failed solve is a status, not an exception.
+
+        Raises:
+            InputError: An array does not fit the others.
+        """
+        started = time.perf_counter()
+        core = core_solver(problem)
+        options = self._options(problem, warm)
+        core.set(problem.starting_point() if warm is None else warm.v)
+        if warm is not None:
+            core.set_multipliers(warm.s, warm.z, warm.zb, warm.lam, warm.nu)
+        built = time.perf_counter()
+        watch = None
+        if callback is not None:
+            given = callback
+
+            def watch(number: int, objective: float, violation: float) -> bool | None:
+                return given(Iteration(number, objective, violation))
+
+        answer = core.solve(options, watch)
+        timings = {"build": built - started, "solve": answer["seconds"]}
+        return self._report(problem, answer, timings)
+
+    def solve_many(self, problems: Sequence[StageProblem], *, threads: int = 1) -> list[StageReport]:
+        """Solve each by itself, on several threads; the answers do not depend on their number."""
+        if threads < 1:
+            raise InputError(Problem("threads", f"{threads} is too few; give at least 1"))
+        if threads == 1 or len(problems) < 2:
+            return [self.solve_stages(problem) for problem in problems]
+        with ThreadPoolExecutor(threads) as pool:
+            return list(pool.map(self.solve_stages, problems))
+
+    def _options(self, problem: StageProblem, warm: StagePoint | None) -> Any:
+        options = _core().StagewiseOptions()
+        options.tolerance, options.max_iterations = self.tolerance, self.max_iterations
+        options.time_limit = self.time_limit
+        if self.initial_barrier is not None:
+            options.initial_barrier = self.initial_barrier
+        options.warm = warm is not None
+        return options
+
+    def _report(self, problem: StageProblem, answer: dict[str, Any], timings: dict[str, float]) -> StageReport:
+        core = CorePoint(*(answer[name] for name in CorePoint._fields))
+        point = StagePoint(**{name: answer[name] for name in ("v", "s", "z", "zb", "lam", "nu")})
+        states, inputs, final_time, _ = problem.unpack(core.v)
+        worst, violation = _violation(problem, core, states, inputs, final_time)
+        status = _STATUS[answer["status"]]
+        if status.success and not violation <= 100 * self.tolerance:
+            status = SolveStatus.NUMERICAL
+        vectors = order_of(problem).point(core)
+        largest = max(1.0, float(np.abs(vectors.lam_g).max(initial=0.0)))
+        return StageReport(
+            status=status,
+            solver=self.name,
+            x=vectors.x,
+            objective=answer["objective"],
+            g=vectors.g,
+            lam_x=vectors.lam_x,
+            lam_g=vectors.lam_g,
+            iterations=answer["iterations"],
+            violation=violation,
+            stationarity=answer["residual"] / largest,
+            worst=worst,
+            timings=timings,
+            backend_status=answer["status"],
+            point=point,
+            states=states,
+            inputs=inputs,
+            final_time=final_time,
+            log=answer["log"],
+        )
+
+
+def _violation(
+    problem: StageProblem, core: CorePoint, states: Array, inputs: Array, final_time: float
+) -> tuple[str, float]:
+    """The largest violation of a row, the dynamics, a bound, start or goal, and where it is."""
+    rows = np.maximum(0.0, -core.rows)
+    defects = np.abs(core.defects).reshape(problem.steps, -1).max(axis=1)
+    free_start, free_goal = np.isnan(problem.start), np.isnan(problem.goal)
+    inner = np.maximum(problem.state_low - states, states - problem.state_high)
+    inner[0, ~free_start] = np.abs(states[0] - problem.start)[~free_start]
+    inner[-1, ~free_goal] = np.abs(states[-1] - problem.goal)[~free_goal]
+    outside = np.maximum(problem.input_low - inputs, inputs - problem.input_high)
+    late = max(problem.time_low - final_time, final_time - problem.time_high)
+    found = {
+        "separation or workspace": rows,
+        "dynamics": defects,
+        "bounds of the state": inner.max(axis=1),
+        "bounds of the input": outside.max(axis=1),
+        "bounds of t_f": np.array([late]),
+    }
+    worst, largest = "", 0.0
+    for kind, values in found.items():
+        values = np.where(np.isnan(values), np.inf, values)
+        if values.size and values.max() > largest:
+            largest, knot = float(values.max()), int(values.argmax())
+            worst = kind if kind.startswith("separation") or kind.endswith("t_f") else f"{kind} at knot {knot}"
+            if kind.startswith("separation"):
+                worst = _row_sentence(problem, knot)
+    return worst, largest
+
+
+def _row_sentence(problem: StageProblem, row: int) -> str:
+    order = order_of(problem)
+    pair = int(order.pair_of_row[row])
+    knot = int(np.searchsorted(order.dynamics[:, 0], order.rows[row])) + 1
+    if pair < 0:
+        return f"workspace at knot {knot}"
+    _, part, obstacle = problem.pairs[pair]
+    return f"separation of part {part} against obstacle part {obstacle} at knot {knot}"
 
 
 def core_solver(problem: StageProblem) -> Any:
@@ -14,12 +255,21 @@ def core_solver(problem: StageProblem) -> Any:
     Raises:
         InputError: The model is not compiled in, or an array does not fit the others.
     """
-    from tightspot import _core
-
-    models = {"single_track": _core.StagewiseSingleTrack}
+    models = {"single_track": "StagewiseSingleTrack"}
     if problem.model not in models:
         raise InputError(Problem("model", f"{problem.model!r} is not compiled in; there are {', '.join(models)}"))
     try:
-        return models[problem.model](problem)
+        return getattr(_core(), models[problem.model])(problem)
     except ValueError as error:
         raise InputError(Problem("problem", str(error))) from None
+
+
+def _core() -> Any:
+    try:
+        from tightspot import _core
+    except ImportError as error:
+        raise BuildError(
+            f"tightspot's compiled core cannot be loaded ({error}); install a C++17 compiler, e.g. "
+            "`apt install g++`, and install tightspot again with `pip install .` in its folder"
+        ) from None
+    return _core

@@ -150,6 +150,7 @@ class InteriorPoint {
     Outcome finish(Outcome& outcome, Status status, double seconds) {
         outcome.status = status, outcome.seconds = seconds, outcome.objective = values_.objective;
         outcome.violation = violation_, outcome.stationarity = stationarity_, outcome.complementarity = complementarity_;
+        outcome.residual = stationarity_ * scale_;
         return outcome;
     }
 
@@ -281,14 +282,28 @@ class InteriorPoint {
         return false;
     }
 
+    // Free mode (LOQO's rule, Vanderbei and Shanno 1999): a tenth of the mean complementarity if all products are alike,
+    // up to eight times that if the smallest lags behind.
     void update_barrier() {
         const double smallest = smallest_barrier_of_tolerance * options_.tolerance;
-        while (mu_ > smallest) {
-            const double error = std::max({violation_, stationarity_, complementarity(mu_) / scale_});
-            if (!(error <= 10 * mu_)) break;
-            mu_ = std::max(smallest, std::min(0.2 * mu_, std::pow(mu_, 1.5)));
-            filter_.clear();
+        double mean = 0, least = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < layout_.rows; ++i) {
+            const double product = point.s[i] * point.z[i];
+            mean += product, least = std::min(least, product);
         }
+        for (std::size_t i = 0; i < bounds_.size(); ++i) {
+            const double product = bounds_[i].slack(point.v) * point.zb[i];
+            mean += product, least = std::min(least, product);
+        }
+        const double count = static_cast<double>(layout_.rows) + static_cast<double>(bounds_.size());
+        if (count == 0) return;
+        mean /= count;
+        const double evenness = std::max(least / mean, 1e-4);
+        const double lag = std::min(0.05 * (1 - evenness) / evenness, 2.0);
+        const double wanted = std::min(std::max(smallest, 0.1 * lag * lag * lag * mean), 10 * mu_);
+        if (wanted == mu_) return;
+        mu_ = wanted;
+        filter_.clear();
     }
 
     // One step: direction, line search, update. False if none could be made.

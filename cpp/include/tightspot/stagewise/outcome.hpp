@@ -35,6 +35,7 @@ struct Outcome {
     Status status = Status::invalid;
     int iterations = 0, factorisations = 0;
     double objective = 0, violation = 0, stationarity = 0, complementarity = 0, seconds = 0;
+    double residual = 0;  // stationarity, not scaled
 };
 
 }  // namespace tightspot::stagewise

@@ -1,0 +1,69 @@
+"""The stagewise solver against IPOPT: same optima, and its points satisfy the Nlp's optimality conditions."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from tightspot.formulations import SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
+from tightspot.guesses import HybridAStar
+from tightspot.scenarios.library import builtin
+from tightspot.solvers import Ipopt
+from tightspot.solvers.stagewise import Stagewise
+from tightspot.transcription import Objective, Settings, TimeGrid, transcribe
+from tightspot.transcription.stage_problem import stage_problem
+from tightspot.vehicles import vehicle
+
+FORMULATIONS = (UnitNormalLine, SeparatingLine, SweptUnitNormalLine, SweptLine)
+
+
+def case(scene, formulation, *, steps=20, **changes):
+    scenario, car = builtin(scene), vehicle("paper")
+    guess = HybridAStar().make(scenario, car, margin=0.05).trajectory
+    arguments = {"margin": 0.02, "substeps": 2, "workspace_margin": 0.002} | changes
+    settings = Settings(formulation=formulation, **arguments)
+    return (scenario, car, guess, settings), {"grid": TimeGrid.uniform(steps)}
+
+
+def kkt_residuals(nlp, report):
+    """Violation, stationarity, complementarity and wrong signs of a report, from the Nlp's own symbols."""
+    gradient, jacobian = ca.gradient(nlp.f, nlp.x), ca.jacobian(nlp.g, nlp.x)
+    functions = ca.Function("all", [nlp.x, nlp.p], [nlp.f, nlp.g, gradient, jacobian])
+    f, g, gradient, jacobian = (np.array(value) for value in functions(report.x, nlp.p0))
+    g, gradient = g.ravel(), gradient.ravel()
+    x, lam_x, lam_g = report.x, report.lam_x, report.lam_g
+    stationarity = np.abs(gradient + jacobian.T @ lam_g + lam_x).max()
+    products = []
+    for value, low, high, lam in ((x, nlp.lbx, nlp.ubx, lam_x), (g, nlp.lbg, nlp.ubg, lam_g)):
+        free = low < high
+        room = np.where(lam > 0, high - value, value - low)
+        used = free & (lam != 0)
+        products.append(lam[used] * room[used])
+    violation = max(nlp.violation(g).max(), np.maximum(nlp.lbx - x, x - nlp.ubx).max())
+    assert report.objective == pytest.approx(f.item(), rel=1e-9)
+    assert report.g == pytest.approx(g, abs=1e-7)
+    return violation, stationarity, np.abs(np.concatenate(products)).max()
+
+
+@pytest.mark.parametrize("member", FORMULATIONS)
+@pytest.mark.parametrize("scene", ["oblique", "vertical", "parallel"])
+def test_satisfies_the_programs_optimality_conditions(scene, member):
+    arguments, grid = case(scene, member())
+    report = Stagewise().solve_stages(stage_problem(*arguments, **grid))
+    assert report.status.success, report.status
+    nlp = transcribe(*arguments, **grid).nlp
+    assert report.x.shape == nlp.x0.shape
+    for residual in kkt_residuals(nlp, report):
+        assert residual < 1e-6
+
+
+@pytest.mark.parametrize(("scene", "weight"), [("oblique", 1.0), ("vertical", 0.01), ("parallel", 1.0)])
+def test_same_optimum_as_ipopt_from_the_solution(scene, weight):
+    """IPOPT, started at our point, stays there."""
+    arguments, grid = case(scene, SweptUnitNormalLine(), objective=Objective(weight))
+    report = Stagewise().solve_stages(stage_problem(*arguments, **grid))
+    nlp = transcribe(*arguments, **grid).nlp
+    from tightspot.solvers import WarmStart
+
+    again = Ipopt().solve(nlp, warm=WarmStart(report.x, report.lam_x, report.lam_g))
+    assert again.status.success
+    assert again.objective == pytest.approx(report.objective, rel=1e-6)
