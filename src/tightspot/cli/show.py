@@ -19,7 +19,7 @@ def show_command(
             "--output",
             "-o",
             metavar="FILE",
-            help="Picture (.png, .svg, .pdf) or animation (.gif); default: PLAN.png.",
+            help="Picture (.png, .svg, .pdf) or animation (.gif, .mp4); default: PLAN.png.",
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,

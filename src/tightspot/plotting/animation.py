@@ -1,10 +1,10 @@
-"""The manoeuvre as a moving picture (GIF)."""
+"""The manoeuvre as a moving picture (GIF, MP4)."""
 
 from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from tightspot.plotting.bodies import body_shape, heading_mark, shape_path, swep
 from tightspot.plotting.captions import shortened
 from tightspot.plotting.motion import Leg, dense_motion, drive_legs
 from tightspot.plotting.scene import draw_ends, draw_scene
+from tightspot.plotting.video import mp4
 from tightspot.plotting.view import frame_axes, view_box
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import VehicleModel
@@ -41,7 +42,7 @@ _COLORS = 96
 
 
 def save_animation(plan: Plan, path: str | Path, *, fps: float = 20.0, speedup: float | None = None) -> None:
-    """Write the plan's motion as an animated GIF that repeats for ever.
+    """Write the plan's motion as a GIF that repeats for ever or, if the name ends with ``.mp4``, as an MP4 video.
 
     The body moves as the replayed inputs say; it leaves a trail coloured by gear and its wheels steer.
 
@@ -54,22 +55,22 @@ def save_animation(plan: Plan, path: str | Path, *, fps: float = 20.0, speedup: 
 
     Raises:
         InputError: ``fps`` or ``speedup`` is not a positive number, or there would be more than 1200 frames.
+        TightspotError: An MP4 is asked for and there is no ffmpeg.
         OSError: The file cannot be written; an old file of that name is then unchanged.
     """
-    atomic_write(path, animate(plan, fps=fps, speedup=speedup))
+    video = Path(path).suffix.lower() == ".mp4"
+    content = (film if video else animate)(plan, fps=fps, speedup=speedup)
+    atomic_write(path, content)
 
 
 def animate(plan: Plan, *, fps: float = 20.0, speedup: float | None = None) -> bytes:
     """The GIF of :func:`save_animation` as bytes."""
     times, delay, speedup = _schedule(plan.trajectory, fps, speedup)
-    motion = dense_motion(plan.vehicle, plan.trajectory)
-    states = replay(plan.vehicle, plan.trajectory).at(times)
     with style.drawing():
-        stage = _Stage(plan, motion, speedup)
+        stage, states = _staged(plan, times, speedup)
         palette = _palette([stage.picture(times[k], states[k]) for k in (0, len(times) // 2, -1)])
         pictures = [
-            stage.picture(time, state).quantize(palette=palette, dither=Image.Dither.NONE)
-            for time, state in zip(times.tolist(), states, strict=True)
+            picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in stage.pictures(times, states)
         ]
     durations = [delay] * (len(pictures) - 1) + [LAST_FRAME_MS]
     buffer = io.BytesIO()
@@ -77,6 +78,21 @@ def animate(plan: Plan, *, fps: float = 20.0, speedup: float | None = None) -> b
         buffer, "GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0, optimize=False
     )
     return buffer.getvalue()
+
+
+def film(plan: Plan, *, fps: float = 20.0, speedup: float | None = None) -> bytes:
+    """The MP4 of :func:`save_animation` as bytes; its last picture stands as long as the GIF's."""
+    times, delay, speedup = _schedule(plan.trajectory, fps, speedup)
+    times = np.append(times, np.full(round(LAST_FRAME_MS / delay), times[-1]))
+    with style.drawing():
+        stage, states = _staged(plan, times, speedup)
+        return mp4(stage.pictures(times, states), 1000 / delay)
+
+
+def _staged(plan: Plan, times: Array, speedup: float) -> tuple[_Stage, Array]:
+    """The scene with its actors, and the states at the times."""
+    motion = dense_motion(plan.vehicle, plan.trajectory)
+    return _Stage(plan, motion, speedup), replay(plan.vehicle, plan.trajectory).at(times)
 
 
 def _schedule(trajectory: Trajectory, fps: float, speedup: float | None) -> tuple[Array, int, float]:
@@ -134,6 +150,10 @@ class _Stage:
         for artist in self.at(time, state):
             self.figure.draw_artist(artist)
         return Image.fromarray(np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[..., :3]))
+
+    def pictures(self, times: Array, states: Array) -> Iterator[Image.Image]:
+        """:meth:`picture` at each of the times."""
+        return (self.picture(time, state) for time, state in zip(times.tolist(), states, strict=True))
 
     def at(self, time: float, state: Array) -> list[Artist]:
         """The moving artists, put where they are at the time, in the order to draw them."""

@@ -22,7 +22,8 @@ _METADATA: dict[str, dict[str, Any]] = {
     ".pdf": {"CreationDate": None, "ModDate": None, "Creator": "tightspot", "Producer": "tightspot"},
 }
 FIGURE_FORMATS = tuple(_METADATA)
-PLAN_FORMATS = (*FIGURE_FORMATS, ".gif")
+ANIMATION_FORMATS = (".gif", ".mp4")
+PLAN_FORMATS = (*FIGURE_FORMATS, *ANIMATION_FORMATS)
 
 
 def save(figure: Figure, path: str | Path, *, dpi: float | None = None) -> None:
@@ -48,13 +49,14 @@ def save(figure: Figure, path: str | Path, *, dpi: float | None = None) -> None:
 
 
 def show_plan(plan: Plan, path: str | Path) -> None:
-    """The plan's picture (PNG, SVG, PDF) or animation (GIF), by the ending of the name.
+    """The plan's picture (PNG, SVG, PDF) or animation (GIF, MP4), by the ending of the name.
 
     Raises:
         InputError: For any other ending.
+        TightspotError: An MP4 is asked for and there is no ffmpeg.
         OSError: The file cannot be written; an old file of that name is then unchanged.
     """
-    if checked_ending(path, PLAN_FORMATS) == ".gif":
+    if checked_ending(path, PLAN_FORMATS) in ANIMATION_FORMATS:
         save_animation(plan, path)
     else:
         save(figure_plan(plan), path)

@@ -4,6 +4,7 @@ from tightspot.verification.certificate import Certificate, Check, ObstaclePart,
 from tightspot.verification.checker import CheckResult, check_certificate
 from tightspot.verification.checks import Limits
 from tightspot.verification.dense import ClearanceSeries, minimum_clearance
+from tightspot.verification.driven import DrivenTrajectory
 from tightspot.verification.file_exact import file_exact
 from tightspot.verification.judge import JudgeSettings, verify
 from tightspot.verification.plan_file import (
@@ -21,6 +22,7 @@ __all__ = [
     "Check",
     "CheckResult",
     "ClearanceSeries",
+    "DrivenTrajectory",
     "JudgeSettings",
     "Limits",
     "ObstaclePart",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from tightspot import vehicles
@@ -20,12 +21,14 @@ from tightspot.vehicles import VehicleModel
 from tightspot.verification.certificate import Certificate
 from tightspot.verification.certificate_file import problem_of
 from tightspot.verification.checker import CheckResult, check_certificate
+from tightspot.verification.driven import Array, DrivenTrajectory
 from tightspot.verification.file_exact import file_exact
 from tightspot.verification.judge import JudgeSettings, verify
-from tightspot.verification.replay import replay
+from tightspot.verification.replay import Replay
 
 FORMAT = "tightspot-plan/1"
 MAX_BYTES = 50_000_000
+MOST_TIMES = 1_000_000
 
 _T = TypeVar("_T")
 
@@ -45,7 +48,8 @@ class Plan:
     Attributes:
         scenario: In recentred coordinates, rounded to what the file can say (:func:`file_exact`).
         vehicle: Whose trajectory it is.
-        trajectory: In the scenario's recentred coordinates, rounded likewise.
+        trajectory: In the scenario's recentred coordinates, rounded likewise. It knows its vehicle, so it can be
+            asked for any time: :class:`DrivenTrajectory`.
         certificate: The judge's finding.
         report: How it was found: plain data for JSON. Not covered by the certificate's digest.
     """
@@ -59,7 +63,47 @@ class Plan:
     def __post_init__(self) -> None:
         scenario, trajectory = file_exact(self.scenario, self.trajectory)
         object.__setattr__(self, "scenario", scenario)
-        object.__setattr__(self, "trajectory", trajectory)
+        object.__setattr__(self, "trajectory", DrivenTrajectory.of(trajectory, self.vehicle))
+
+    def sample(self, times: ArrayLike) -> Array:
+        """States at ``times`` (...) in s, shape (..., n_x), in the scenario's *original* coordinates.
+
+        That is what the written files hold; ``plan.trajectory.sample`` gives the same in recentred coordinates, see
+        :meth:`DrivenTrajectory.sample`.
+
+        Raises:
+            InputError: A time before the first or after the last knot, or the trajectory cannot be integrated.
+        """
+        states = self._driven.sample(times)
+        names = self.trajectory.state_names
+        states[..., [names.index("x"), names.index("y")]] += self.scenario.offset
+        return states
+
+    def sample_inputs(self, times: ArrayLike) -> Array:
+        """Inputs at ``times`` (...) in s, shape (..., n_u), see :meth:`DrivenTrajectory.sample_inputs`."""
+        return self._driven.sample_inputs(times)
+
+    def times(self, dt: float) -> Array:
+        """Times at most ``dt`` apart that include every knot, s.
+
+        Raises:
+            InputError: ``dt`` is not a positive time or would give more than a million times, or the trajectory cannot
+                be integrated.
+        """
+        if not (np.isfinite(dt) and dt > 0):
+            raise InputError(Problem("dt", f"{dt} s must be a positive time"))
+        if self.trajectory.duration / dt > MOST_TIMES:
+            raise InputError(Problem("dt", f"{dt:g} s would give more than {MOST_TIMES} rows; take a longer one"))
+        return self.replay.dense(dt)
+
+    @property
+    def replay(self) -> Replay:
+        """The continuous motion, in recentred coordinates; raises :class:`InputError` if it cannot be integrated."""
+        return self._driven.replay
+
+    @property
+    def _driven(self) -> DrivenTrajectory:
+        return DrivenTrajectory.of(self.trajectory, self.vehicle)
 
     def to_dict(self) -> dict[str, Any]:
         """The plan file's object, in the scenario's original coordinates."""
@@ -180,13 +224,8 @@ def write_trajectory_csv(plan: Plan, path: str | Path, dt: float = 0.05) -> None
         InputError: ``dt`` is not a positive time, or the trajectory cannot be integrated.
         OSError: The file cannot be written.
     """
-    if not (np.isfinite(dt) and dt > 0):
-        raise InputError(Problem("dt", f"{dt} s must be a positive time"))
-    played = replay(plan.vehicle, plan.trajectory)
-    times = played.dense(dt)
-    states = played.at(times)
-    states[:, :2] += plan.scenario.offset
-    rows = np.column_stack([times, states, plan.trajectory.inputs[played.interval(times)]])
+    times = plan.times(dt)
+    rows = np.column_stack([times, plan.sample(times), plan.sample_inputs(times)])
     header = ",".join(("t", *plan.vehicle.state_names, *plan.vehicle.input_names))
     lines = [",".join(repr(value) for value in row) for row in rows.tolist()]
     atomic_write(path, "\n".join([header, *lines]) + "\n")

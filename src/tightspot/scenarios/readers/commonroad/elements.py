@@ -82,7 +82,7 @@ def goal_state(state: State, tolerance: Mapping[str, float], offset: Array) -> E
     SubElement(circle, "radius").text = decimal(radius)
     centre, (x, y) = SubElement(circle, "center"), _position(state, offset)
     SubElement(centre, "x").text, SubElement(centre, "y").text = decimal(x), decimal(y)
-    if half < math.pi:
+    if half < math.pi / 2:  # commonroad-io cannot test a wider interval; without one the heading is free
         heading = _heading(state)
         _interval(element, "orientation", decimal(heading - half), decimal(heading + half))
     if state["v"] is not None:

@@ -90,7 +90,7 @@ def read_commonroad(
     moving, lanelets = checked_moving(moving), checked_lanelets(lanelets)
     path = Path(path)
     root = parse(path)
-    dt = _header(path, root)
+    dt = header(path, root)
     known = remainder.from_comments(root)
     car, described = _vehicle(vehicle, known)
     noted = known.get("reference")
@@ -99,7 +99,7 @@ def read_commonroad(
     road = _road(root, problems)
     mission = None
     try:
-        chosen, chosen_notes = _problem(path, root, problem)
+        chosen, chosen_notes = chosen_problem(path, root, problem)
         mission = _mission(chosen, known, offset, car, road, dt)
         notes = chosen_notes + mission.notes + notes
     except SceneError as error:
@@ -127,7 +127,7 @@ class _Mission:
     notes: list[str]
 
 
-def _header(path: Path, root: Node) -> float:
+def header(path: Path, root: Node) -> float:
     """The time step, s, after root and version have been checked."""
     if root.tag != "commonRoad":
         sentence = f"holds <{root.tag[:40]}>, not a CommonRoad scenario (<commonRoad>)"
@@ -167,12 +167,15 @@ def _road(root: Node, problems: list[Problem]) -> dict[int, Lanelet]:
     return road
 
 
-def _problem(path: Path, root: Node, wanted: int | None) -> tuple[Node, list[str]]:
+def chosen_problem(path: Path, root: Node, wanted: int | None) -> tuple[Node, list[str]]:
     """The planning problem with that id, or the first with a note on the others."""
     there = list(root.children("planningProblem"))
     if not there:
         raise refuse(path, "has no planningProblem, so neither start nor goal; add one")
     numbers = [node.attribute("id") for node in there]
+    for node in there:
+        if not re.fullmatch(r"\d{1,18}", node.attribute("id")):
+            raise node.refuse(f"has the id {node.attribute('id')[:40]!r}; it must be a whole number above 0")
     if wanted is None:
         first, *others = numbers
         note = f"Planning problem {first} was taken; there are also {', '.join(others[:10])}."
@@ -189,8 +192,6 @@ def _some(numbers: list[str]) -> str:
 def _mission(
     node: Node, known: Mapping[str, Any], offset: Array, car: VehicleModel, road: Mapping[int, Lanelet], dt: float
 ) -> _Mission:
-    if not re.fullmatch(r"\d{1,18}", node.attribute("id")):
-        raise node.refuse(f"has the id {node.attribute('id')[:40]!r}; it must be a whole number above 0")
     first, goals = node.child("initialState"), list(node.children("goalState"))
     if not goals:
         raise node.refuse("has no goalState; add one")
