@@ -68,6 +68,14 @@ std::vector<Demand> demands(nb::handle problem, const char* name) {
     return result;
 }
 
+Polygons polygons(nb::handle problem, const char* vertices, const char* first) {
+    const Vector xy = doubles(problem, vertices);
+    Polygons result;
+    result.first = integers(problem, first);
+    for (std::size_t i = 0; i + 1 < xy.size(); i += 2) result.x.push_back(xy[i]), result.y.push_back(xy[i + 1]);
+    return result;
+}
+
 Problem to_problem(nb::handle from) {
     Problem problem;
     problem.widths = doubles(from, "widths");
@@ -80,8 +88,8 @@ Problem to_problem(nb::handle from) {
     problem.input_low = doubles(from, "input_low"), problem.input_high = doubles(from, "input_high");
     problem.time_low = number(from, "time_low"), problem.time_high = number(from, "time_high");
     problem.start = doubles(from, "start"), problem.goal = doubles(from, "goal");
-    problem.parts = {doubles(from, "part_vertices"), integers(from, "part_first")};
-    problem.obstacles = {doubles(from, "obstacle_vertices"), integers(from, "obstacle_first")};
+    problem.parts = polygons(from, "part_vertices", "part_first");
+    problem.obstacles = polygons(from, "obstacle_vertices", "obstacle_first");
     problem.radii = doubles(from, "part_radii");
     const Indices pairs = integers(from, "pairs");
     const Vector origins = doubles(from, "pair_origins"), sides = doubles(from, "pair_sides");

@@ -12,6 +12,7 @@
 #include "tightspot/stagewise/filter.hpp"
 #include "tightspot/stagewise/outcome.hpp"
 #include "tightspot/stagewise/point.hpp"
+#include "tightspot/stagewise/reductions.hpp"
 #include "tightspot/stagewise/sweep.hpp"
 
 namespace tightspot::stagewise {
@@ -34,6 +35,7 @@ class InteriorPoint {
         for (Vector* rows : {&D_, &b_, &row_residual_, &corrected_rows_}) rows->assign(layout_.rows, 0);
         corrected_defects_.assign(problem_.steps * S::nx, 0);
         bound_diagonal_.assign(layout_.line, 0), bound_gradient_.assign(layout_.line, 0);
+        for (int i = 0; i < layout_.line; ++i) free_.push_back(fixed(i) ? 0.0 : 1.0);
         goal_residual_.assign(S::nx, 0), corrected_goal_.assign(S::nx, 0);
     }
     InteriorPoint(const InteriorPoint&) = delete;
@@ -91,7 +93,7 @@ class InteriorPoint {
             else if (seconds() > options.time_limit) status = Status::time_limit;
             else if (diverged()) status = Status::diverged;
             else {
-                update_barrier();
+                update_barrier(iteration);
                 if (!advance(record, outcome, failures))
                     status = record.violation > 1e-4 ? Status::infeasible : Status::numerical;
                 else {
@@ -169,6 +171,7 @@ class InteriorPoint {
             v[bound.index] = inside(v[bound.index], low, high, options_.bound_push);
         }
         assembly_.evaluate(v.data(), values_);
+        if (!(mu_ > 0)) mu_ = std::clamp(1e-3 * values_.objective, 1e-6, 0.1);
         for (int i = 0; i < layout_.rows; ++i) {
             point.s[i] = std::max(values_.rows[i], options_.bound_push);
             const double central = mu_ / point.s[i];
@@ -199,13 +202,9 @@ class InteriorPoint {
         const double* v = point.v.data();
         assembly_.differentiate_all(v, values_);
         set_goal_residual(v, goal_residual_);
-        violation_ = 0;
-        for (double defect : values_.defects) violation_ = worse(violation_, std::abs(defect));
-        for (double miss : goal_residual_) violation_ = worse(violation_, std::abs(miss));
-        for (int i = 0; i < layout_.rows; ++i) {
-            row_residual_[i] = values_.rows[i] - point.s[i];
-            violation_ = worse(violation_, std::abs(row_residual_[i]));
-        }
+        const double *c = values_.rows.data(), *slack = point.s.data();
+        for (int i = 0; i < layout_.rows; ++i) row_residual_[i] = c[i] - slack[i];
+        violation_ = std::max({magnitude(values_.defects), magnitude(goal_residual_), magnitude(row_residual_)});
         const double scale = multiplier_scale();
         stationarity_ = lagrangian_gradient() / scale;
         scale_ = scale;
@@ -216,7 +215,9 @@ class InteriorPoint {
         return record;
     }
 
-    static double worse(double a, double b) { return b > a || std::isnan(b) ? b : a; }
+    static double magnitude(const Vector& values) {
+        return largest_magnitude(values.size(), [&](std::size_t i) { return values[i]; });
+    }
 
     void set_goal_residual(const double* v, Vector& out) const {
         for (int i = 0; i < S::nx; ++i)
@@ -224,20 +225,19 @@ class InteriorPoint {
     }
 
     double multiplier_scale() const {
-        double sum = 0;
-        for (double lam : point.lam) sum += std::abs(lam);
-        for (double z : point.z) sum += z;
-        for (double z : point.zb) sum += z;
+        const auto sum = [](const Vector& values) {
+            return total(values.size(), [&](std::size_t i) { return std::abs(values[i]); });
+        };
         const double count = static_cast<double>(point.lam.size() + point.z.size() + point.zb.size());
-        return std::max(100.0, sum / std::max(count, 1.0)) / 100.0;
+        return std::max(100.0, (sum(point.lam) + sum(point.z) + sum(point.zb)) / std::max(count, 1.0)) / 100.0;
     }
 
     double complementarity(double mu) const {
-        double worst = 0;
-        for (int i = 0; i < layout_.rows; ++i) worst = worse(worst, std::abs(point.s[i] * point.z[i] - mu));
-        for (std::size_t i = 0; i < bounds_.size(); ++i)
-            worst = worse(worst, std::abs(bounds_[i].slack(point.v) * point.zb[i] - mu));
-        return worst;
+        const double *s = point.s.data(), *z = point.z.data();
+        const double rows = largest_magnitude(point.s.size(), [&](std::size_t i) { return s[i] * z[i] - mu; });
+        const double bounds = largest_magnitude(
+            bounds_.size(), [&](std::size_t i) { return bounds_[i].slack(point.v) * point.zb[i] - mu; });
+        return std::isnan(rows) ? rows : std::max(rows, bounds);
     }
 
     // Fills residual_; returns its largest entry among free variables, lines included.
@@ -262,11 +262,8 @@ class InteriorPoint {
             residual_[layout_.time] += a[S::nx];
             for (int i = 0; i < S::nu; ++i) residual_[layout_.u(k) + i] += a[S::nz + i];
         }
-        double worst = 0;
-        for (int i = 0; i < layout_.line; ++i)
-            if (!fixed(i)) worst = worse(worst, std::abs(residual_[i]));
-        for (double entry : gradient_.lines) worst = worse(worst, std::abs(entry));
-        return worst;
+        const auto free = [&](std::size_t i) { return free_[i] * residual_[i]; };
+        return std::max(largest_magnitude(residual_.size(), free), magnitude(gradient_.lines));
     }
 
     bool fixed(int index) const {
@@ -282,25 +279,23 @@ class InteriorPoint {
         return false;
     }
 
-    // Free mode (LOQO's rule, Vanderbei and Shanno 1999): a tenth of the mean complementarity if all products are alike,
-    // up to eight times that if the smallest lags behind.
-    void update_barrier() {
-        const double smallest = smallest_barrier_of_tolerance * options_.tolerance;
-        double mean = 0, least = std::numeric_limits<double>::infinity();
-        for (int i = 0; i < layout_.rows; ++i) {
-            const double product = point.s[i] * point.z[i];
-            mean += product, least = std::min(least, product);
-        }
-        for (std::size_t i = 0; i < bounds_.size(); ++i) {
-            const double product = bounds_[i].slack(point.v) * point.zb[i];
-            mean += product, least = std::min(least, product);
-        }
-        const double count = static_cast<double>(layout_.rows) + static_cast<double>(bounds_.size());
-        if (count == 0) return;
-        mean /= count;
+    // Free mode, LOQO's rule (Vanderbei and Shanno 1999): a tenth of the mean complementarity, less the more alike all
+    // products are, more if the smallest lags behind; never far below what stationarity calls for.
+    void update_barrier(int iteration) {
+        const std::size_t rows = point.s.size(), bounds = bounds_.size();
+        if (iteration == 0 || rows + bounds == 0) return;
+        const double *s = point.s.data(), *z = point.z.data();
+        const auto of_row = [&](std::size_t i) { return s[i] * z[i]; };
+        const auto of_bound = [&](std::size_t i) { return bounds_[i].slack(point.v) * point.zb[i]; };
+        const double mean = (total(rows, of_row) + total(bounds, of_bound)) / static_cast<double>(rows + bounds);
+        const double infinity = std::numeric_limits<double>::infinity();
+        const double least = -std::max(largest(rows, -infinity, [&](std::size_t i) { return -of_row(i); }),
+                                       largest(bounds, -infinity, [&](std::size_t i) { return -of_bound(i); }));
         const double evenness = std::max(least / mean, 1e-4);
         const double lag = std::min(0.05 * (1 - evenness) / evenness, 2.0);
-        const double wanted = std::min(std::max(smallest, 0.1 * lag * lag * lag * mean), 10 * mu_);
+        double wanted = std::max(0.1 * lag * lag * lag * mean, 1e-2 * mean);
+        wanted = std::max(wanted, std::min(mu_, 1e-4 * stationarity_));
+        wanted = std::clamp(wanted, smallest_barrier_of_tolerance * options_.tolerance, 10 * mu_);
         if (wanted == mu_) return;
         mu_ = wanted;
         filter_.clear();
@@ -366,7 +361,9 @@ class InteriorPoint {
     // The Newton step for the given residuals, by the factorisation at hand.
     void direction(const Vector& rows, const Vector& defects, const Vector& goal, Point& step) {
         const double* v = point.v.data();
-        for (int i = 0; i < layout_.rows; ++i) b_[i] = mu_ / point.s[i] - D_[i] * rows[i];
+        const double mu = mu_, *s = point.s.data(), *z = point.z.data(), *D = D_.data(), *r = rows.data();
+        double *b = b_.data(), *ds = step.s.data(), *dz = step.z.data();
+        for (int i = 0; i < layout_.rows; ++i) b[i] = mu / s[i] - D[i] * r[i];
         assembly_.set_gradient(v, values_, 1.0, b_.data(), bound_gradient_.data(), gradient_);
         sweep_.solve(assembly_, gradient_, defects.data(), goal.data(), point.nu.data(), goal_penalty, step.v.data(),
                      step.lam.data(), step.nu.data());
@@ -374,8 +371,8 @@ class InteriorPoint {
         for (std::size_t i = 0; i < step.nu.size(); ++i) step.nu[i] -= point.nu[i];
         assembly_.row_steps(v, values_, step.v.data(), step.s.data());
         for (int i = 0; i < layout_.rows; ++i) {
-            step.s[i] += rows[i];
-            step.z[i] = (mu_ - point.z[i] * step.s[i]) / point.s[i] - point.z[i];
+            ds[i] += r[i];
+            dz[i] = (mu - z[i] * ds[i]) / s[i] - z[i];
         }
         for (std::size_t i = 0; i < bounds_.size(); ++i) {
             const double move = bounds_[i].side * step.v[bounds_[i].index];
@@ -386,32 +383,30 @@ class InteriorPoint {
     double boundary_fraction() const { return std::max(0.99, 1 - mu_); }
 
     double longest_primal(const Point& step) const {
-        double rate = 0;
-        for (int i = 0; i < layout_.rows; ++i) rate = std::max(rate, -step.s[i] / point.s[i]);
+        const double *s = point.s.data(), *ds = step.s.data();
+        double rate = largest(point.s.size(), 0.0, [&](std::size_t i) { return -ds[i] / s[i]; });
         for (const Bound& bound : bounds_)
             rate = std::max(rate, -bound.side * step.v[bound.index] / bound.slack(point.v));
         return rate > boundary_fraction() ? boundary_fraction() / rate : 1.0;
     }
 
     double longest_dual(const Point& step) const {
-        double rate = 0;
-        for (int i = 0; i < layout_.rows; ++i) rate = std::max(rate, -step.z[i] / point.z[i]);
-        for (std::size_t i = 0; i < bounds_.size(); ++i) rate = std::max(rate, -step.zb[i] / point.zb[i]);
+        const double *z = point.z.data(), *dz = step.z.data(), *zb = point.zb.data(), *dzb = step.zb.data();
+        double rate = largest(point.z.size(), 0.0, [&](std::size_t i) { return -dz[i] / z[i]; });
+        rate = largest(bounds_.size(), rate, [&](std::size_t i) { return -dzb[i] / zb[i]; });
         return rate > boundary_fraction() ? boundary_fraction() / rate : 1.0;
     }
 
     // Violation and barrier objective of a point whose values are known.
     Merit merit(const Point& at, const Values<Model>& values, const Vector& goal) const {
-        double violation = 0, logs = 0;
-        for (double defect : values.defects) violation += std::abs(defect);
-        for (double miss : goal) violation += std::abs(miss);
-        for (int i = 0; i < layout_.rows; ++i) violation += std::abs(values.rows[i] - at.s[i]);
-        int i = 0;
-        for (; i + 4 <= layout_.rows; i += 4) logs += std::log(at.s[i] * at.s[i + 1] * at.s[i + 2] * at.s[i + 3]);
-        for (; i < layout_.rows; ++i) logs += std::log(at.s[i]);
-        std::size_t j = 0;
-        for (; j + 2 <= bounds_.size(); j += 2) logs += std::log(bounds_[j].slack(at.v) * bounds_[j + 1].slack(at.v));
-        for (; j < bounds_.size(); ++j) logs += std::log(bounds_[j].slack(at.v));
+        const double *s = at.s.data(), *c = values.rows.data();
+        const auto size = [](const Vector& vector) {
+            return total(vector.size(), [&](std::size_t i) { return std::abs(vector[i]); });
+        };
+        double violation = size(values.defects) + size(goal);
+        violation += total(at.s.size(), [&](std::size_t i) { return std::abs(c[i] - s[i]); });
+        const double logs = sum_of_logs(at.s.size(), [&](std::size_t i) { return s[i]; }) +
+                            sum_of_logs(bounds_.size(), [&](std::size_t i) { return bounds_[i].slack(at.v); });
         return {violation, values.objective - mu_ * logs};
     }
 
@@ -427,7 +422,8 @@ class InteriorPoint {
         const double time_step = step.v[layout_.time];
         sum += problem_.time_weight * time_step;
         sum += problem_.time_scaled ? time_step * energy + v[layout_.time] * energy_slope : energy_slope;
-        for (int i = 0; i < layout_.rows; ++i) sum -= mu_ * step.s[i] / point.s[i];
+        const double *s = point.s.data(), *ds = step.s.data();
+        sum -= mu_ * total(point.s.size(), [&](std::size_t i) { return ds[i] / s[i]; });
         for (const Bound& bound : bounds_) sum -= mu_ * bound.side * step.v[bound.index] / bound.slack(point.v);
         return sum;
     }
@@ -515,7 +511,7 @@ class InteriorPoint {
     Values<Model> values_, trial_values_;
     Gradient gradient_;
     Vector residual_, D_, b_, row_residual_, corrected_rows_, corrected_defects_, bound_diagonal_, bound_gradient_,
-        goal_residual_, corrected_goal_;
+        goal_residual_, corrected_goal_, free_;
     double mu_ = 0, violation_ = 0, stationarity_ = 0, complementarity_ = 0, scale_ = 1;
     double alpha_ = 0, dual_alpha_ = 0, last_regularisation_ = 0, large_violation_ = -1, small_violation_ = 0;
 };

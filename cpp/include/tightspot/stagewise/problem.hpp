@@ -10,14 +10,13 @@ namespace tightspot::stagewise {
 using Vector = std::vector<double>;
 using Indices = std::vector<int>;
 
-// Convex polygons, one after another: polygon i has the vertices first[i] to first[i + 1] - 1, (x, y) each.
+// Convex polygons, one after another: polygon i has the vertices first[i] to first[i + 1] - 1.
 struct Polygons {
-    Vector xy;
+    Vector x, y;
     Indices first{0};
 
     int size() const { return static_cast<int>(first.size()) - 1; }
     int count(int i) const { return first[i + 1] - first[i]; }
-    const double* vertices(int i) const { return xy.data() + 2 * first[i]; }
 };
 
 // Clearance demanded at one sample pose, m: constant + weight * (the interval's cover for that part).

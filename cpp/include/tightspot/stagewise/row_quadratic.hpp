@@ -12,6 +12,30 @@ namespace tightspot::stagewise {
 using Triple = std::array<double, 3>;
 using Sextuple = std::array<double, 6>;  // xx, xy, yy, x theta, y theta, theta theta
 
+// Sums of b_i and of b_i t_i.
+template <class Rows>
+inline void sum(const Rows& rows, const double* b, double& b0, double& b1) {
+    over(rows.count, [&](auto count) {
+        for (int i = 0; i < count; ++i) b0 += b[i], b1 += b[i] * rows.t(i);
+    });
+}
+
+// Sums of D_i, D_i t_i, D_i t_i^2, z_i, z_i t_i and z_i e_i.
+struct Moments {
+    double s0 = 0, s1 = 0, s2 = 0, z0 = 0, z1 = 0, ze = 0;
+
+    template <class Rows>
+    Moments(const Rows& rows, const double* D, const double* z) {
+        over(rows.count, [&](auto count) {
+            for (int i = 0; i < count; ++i) {
+                const double t = rows.t(i), dt = D[i] * t;
+                s0 += D[i], s1 += dt, s2 += dt * t;
+                z0 += z[i], z1 += z[i] * t, ze += z[i] * rows.e(i);
+            }
+        });
+    }
+};
+
 // Forces -J' b of the rows on the sample poses, the covers and the lines.
 struct RowForces {
     const double* b;
@@ -21,7 +45,7 @@ struct RowForces {
 
     void body(const BodyRows& rows) {
         double b0 = 0, b1 = 0;
-        for (int i = 0; i < rows.count; ++i) b0 += b[rows.row + i], b1 += b[rows.row + i] * rows.t(i);
+        sum(rows, b + rows.row, b0, b1);
         Triple& pose = poses[rows.sample];
         pose[0] -= rows.nx * b0, pose[1] -= rows.ny * b0, pose[2] += b1;
         covers[rows.part] += rows.weight * b0;
@@ -31,7 +55,7 @@ struct RowForces {
     }
     void obstacle(const ObstacleRows& rows) {
         double b0 = 0, b1 = 0;
-        for (int j = 0; j < rows.count; ++j) b0 += b[rows.row + j], b1 += b[rows.row + j] * rows.t(j);
+        sum(rows, b + rows.row, b0, b1);
         covers[rows.part] += rows.weight * b0;
         lines[2 * rows.pair] = b1;
         lines[2 * rows.pair + 1] = -b0;
@@ -62,12 +86,7 @@ struct RowHessian {
     double cover_row[S::nw] = {};  // mixed derivatives of the current part's cover with w, by way of the poses
 
     void body(const BodyRows& rows) {
-        double s0 = 0, s1 = 0, s2 = 0, z0 = 0, z1 = 0, ze = 0;
-        for (int i = 0; i < rows.count; ++i) {
-            const double d = D[rows.row + i], zi = z[rows.row + i], t = rows.t(i);
-            s0 += d, s1 += d * t, s2 += d * t * t;
-            z0 += zi, z1 += zi * t, ze += zi * rows.e(i);
-        }
+        const auto [s0, s1, s2, z0, z1, ze] = Moments(rows, D + rows.row, z + rows.row);
         const double nx = rows.nx, ny = rows.ny, kappa = rows.weight;
         Sextuple& h = blocks[rows.sample];
         h[0] += s0 * nx * nx, h[1] += s0 * nx * ny, h[2] += s0 * ny * ny;
@@ -95,12 +114,8 @@ struct RowHessian {
     }
 
     void obstacle(const ObstacleRows& rows) {
-        double s0 = 0, s1 = 0, s2 = 0, z0 = 0, ze = 0;
-        for (int j = 0; j < rows.count; ++j) {
-            const double d = D[rows.row + j], zj = z[rows.row + j], t = rows.t(j);
-            s0 += d, s1 += d * t, s2 += d * t * t;
-            z0 += zj, ze += zj * rows.e(j);
-        }
+        const Moments sums(rows, D + rows.row, z + rows.row);
+        const double s0 = sums.s0, s1 = sums.s1, s2 = sums.s2, z0 = sums.z0, ze = sums.ze;
         PairBlock<Model>& pair = pairs[rows.pair];
         pair.phi_phi = s2 - ze, pair.phi_mu = -s1, pair.mu_mu = s0;
         for (int i = 0; i < S::nw; ++i) pair.phi[i] = pair.mu[i] = 0;

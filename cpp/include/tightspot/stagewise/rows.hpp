@@ -2,17 +2,27 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 
 #include "tightspot/stagewise/motion.hpp"
 #include "tightspot/stagewise/problem.hpp"
 
 namespace tightspot::stagewise {
 
+// Calls loop(count), with a count of 4, by far the most frequent, as a constant that the compiler can unroll.
+template <class Loop>
+inline void over(int count, Loop&& loop) {
+    if (count == 4)
+        loop(std::integral_constant<int, 4>{});
+    else
+        loop(count);
+}
+
 // The vertices r_i of a body part at one sample pose T, R against a line n . q = offset (a pair's, or a wall's with
 // inward normal). Row i: along + e_i - weight * cover >= 0 with e_i = n . R r_i.
 struct BodyRows {
     int part, sample, pair, row, count;  // sample: within the interval; pair: -1 for a wall
-    const double* vertices;
+    const double *x, *y;
     double nx, ny;    // n
     double cos, sin;  // R' n, so that e_i = cos x_i + sin y_i, and -de_i/dtheta = t_i = cos y_i - sin x_i
     double along;     // n . (T - origin) - offset - constant demand
@@ -21,21 +31,21 @@ struct BodyRows {
     double weight;
     double demand;    // constant demand
 
-    double e(int i) const { return cos * vertices[2 * i] + sin * vertices[2 * i + 1]; }
-    double t(int i) const { return cos * vertices[2 * i + 1] - sin * vertices[2 * i]; }
+    double e(int i) const { return cos * x[i] + sin * y[i]; }
+    double t(int i) const { return cos * y[i] - sin * x[i]; }
 };
 
 // The vertices O_j of an obstacle part against its pair's line. Row j: mu - side - e_j - weight * cover >= 0.
 struct ObstacleRows {
     int part, pair, row, count;
-    const double* vertices;
+    const double *x, *y;
     double nx, ny, ox, oy;
     double along;  // mu - side
     double weight;
     double demand;  // side
 
-    double e(int j) const { return nx * (vertices[2 * j] - ox) + ny * (vertices[2 * j + 1] - oy); }
-    double t(int j) const { return nx * (vertices[2 * j + 1] - oy) - ny * (vertices[2 * j] - ox); }
+    double e(int j) const { return nx * (x[j] - ox) + ny * (y[j] - oy); }
+    double t(int j) const { return nx * (y[j] - oy) - ny * (x[j] - ox); }
 };
 
 inline BodyRows body_rows(const SamplePose& pose, double nx, double ny, double ox, double oy) {
@@ -60,7 +70,8 @@ void visit_rows(const Problem& problem, const Layout& layout, const double* v, c
         const int count = problem.parts.count(part), at_part = k * parts + part;
         const auto finish = [&](BodyRows& rows, int sample, int pair, const Demand& demand, double offset) {
             rows.part = part, rows.sample = sample, rows.pair = pair, rows.row = row, rows.count = count;
-            rows.vertices = problem.parts.vertices(part);
+            rows.x = problem.parts.x.data() + problem.parts.first[part];
+            rows.y = problem.parts.y.data() + problem.parts.first[part];
             rows.along -= offset + demand.constant;
             rows.weight = demand.weight, rows.demand = demand.constant;
             visitor.body(rows);
@@ -80,9 +91,11 @@ void visit_rows(const Problem& problem, const Layout& layout, const double* v, c
             const Pair& pair = problem.pairs[i];
             const double nx = at.normals[2 * i], ny = at.normals[2 * i + 1], mu = v[layout.aux(i) + 1];
             const int corners = problem.obstacles.count(pair.obstacle);
-            visitor.obstacle(ObstacleRows{part, i, row, corners, problem.obstacles.vertices(pair.obstacle), nx, ny,
-                                          pair.origin[0], pair.origin[1], mu - pair.obstacle_side,
-                                          pair.obstacle_weight, pair.obstacle_side});
+            const int at_obstacle = problem.obstacles.first[pair.obstacle];
+            visitor.obstacle(ObstacleRows{part, i, row, corners, problem.obstacles.x.data() + at_obstacle,
+                                          problem.obstacles.y.data() + at_obstacle, nx, ny, pair.origin[0],
+                                          pair.origin[1], mu - pair.obstacle_side, pair.obstacle_weight,
+                                          pair.obstacle_side});
             row += corners;
             for (int p = 0; p < samples; ++p) {
                 const Demand& demand = problem.pair_demands[first + p];
@@ -103,11 +116,17 @@ struct RowValues {
 
     void body(const BodyRows& rows) {
         const double along = rows.along - rows.weight * covers[rows.part];
-        for (int i = 0; i < rows.count; ++i) out[rows.row + i] = along + rows.e(i);
+        double* to = out + rows.row;
+        over(rows.count, [&](auto count) {
+            for (int i = 0; i < count; ++i) to[i] = along + rows.e(i);
+        });
     }
     void obstacle(const ObstacleRows& rows) {
         const double along = rows.along - rows.weight * covers[rows.part];
-        for (int j = 0; j < rows.count; ++j) out[rows.row + j] = along - rows.e(j);
+        double* to = out + rows.row;
+        over(rows.count, [&](auto count) {
+            for (int j = 0; j < count; ++j) to[j] = along - rows.e(j);
+        });
     }
     void end_pair(int, int) {}
     void end_part(int) {}
@@ -143,12 +162,19 @@ struct RowSteps {
             along += rows.across * line[0] - line[1];
             turn += line[0];
         }
-        for (int i = 0; i < rows.count; ++i) out[rows.row + i] = along + turn * rows.t(i);
+        double* to = out + rows.row;
+        over(rows.count, [&](auto count) {
+            for (int i = 0; i < count; ++i) to[i] = along + turn * rows.t(i);
+        });
     }
     void obstacle(const ObstacleRows& rows) {
         const double* line = lines + 2 * rows.pair;
         const double along = line[1] - rows.weight * covers[rows.part];
-        for (int j = 0; j < rows.count; ++j) out[rows.row + j] = along - line[0] * rows.t(j);
+        double* to = out + rows.row;
+        const double turn = line[0];
+        over(rows.count, [&](auto count) {
+            for (int j = 0; j < count; ++j) to[j] = along - turn * rows.t(j);
+        });
     }
     void end_pair(int, int) {}
     void end_part(int) {}

@@ -113,17 +113,21 @@ class Sweep {
         for (int i = 0; i < nz * nz; ++i) out.ahead[i] = P[i];
         double M[nz * na], G[na * na];
         for (int i = 0; i < nz; ++i) {
-            for (int c = 0; c < na; ++c) M[i * na + c] = 0;
+            double row[na] = {};
             for (int j = 0; j < nx; ++j)
-                for (int c = 0; c < na; ++c) M[i * na + c] += P[i * nz + j] * F[j * na + c];
-            M[i * na + nx] += P[i * nz + nx];
+                for (int c = 0; c < na; ++c) row[c] += P[i * nz + j] * F[j * na + c];
+            row[nx] += P[i * nz + nx];
+            for (int c = 0; c < na; ++c) M[i * na + c] = row[c];
         }
         for (int r = 0; r < na; ++r) {
-            for (int c = 0; c < na; ++c) G[r * na + c] = W[r * nw + c];
+            double row[na];
+            for (int c = 0; c < na; ++c) row[c] = W[r * nw + c];
             for (int j = 0; j < nx; ++j)
-                for (int c = 0; c < na; ++c) G[r * na + c] += F[j * na + r] * M[j * na + c];
+                for (int c = 0; c < na; ++c) row[c] += F[j * na + r] * M[j * na + c];
+            if (r == nx)
+                for (int c = 0; c < na; ++c) row[c] += M[nx * na + c];
+            for (int c = 0; c < na; ++c) G[r * na + c] = row[c];
         }
-        for (int c = 0; c < na; ++c) G[nx * na + c] += M[nx * na + c];
         if (coupled)
             for (int r = 0; r < na; ++r)
                 for (int j = 0; j < nx; ++j)
@@ -134,20 +138,33 @@ class Sweep {
             for (int c = 0; c < nz; ++c) out.cross[i * nz + c] = G[(nz + i) * na + c];
         }
         if (!cholesky<nu>(out.inputs, nu, 1e-12)) return false;
-        for (int c = 0; c < nz; ++c) {
-            double column[nu];
-            for (int i = 0; i < nu; ++i) column[i] = -out.cross[i * nz + c];
-            cholesky_solve<nu>(out.inputs, nu, column);
-            for (int i = 0; i < nu; ++i) out.gain[i * nz + c] = column[i];
+        // Y = L^{-1} cross; P_k = G_zz - Y' Y; gain = -L^{-T} Y.
+        double Y[nu * nz];
+        for (int i = 0; i < nu; ++i) {
+            double row[nz];
+            for (int c = 0; c < nz; ++c) row[c] = out.cross[i * nz + c];
+            for (int j = 0; j < i; ++j)
+                for (int c = 0; c < nz; ++c) row[c] -= out.inputs[i * nu + j] * Y[j * nz + c];
+            const double inverse = 1 / out.inputs[i * nu + i];
+            for (int c = 0; c < nz; ++c) Y[i * nz + c] = inverse * row[c];
+        }
+        for (int i = nu - 1; i >= 0; --i) {
+            double row[nz];
+            for (int c = 0; c < nz; ++c) row[c] = -Y[i * nz + c];
+            for (int j = i + 1; j < nu; ++j)
+                for (int c = 0; c < nz; ++c) row[c] -= out.inputs[j * nu + i] * out.gain[j * nz + c];
+            const double inverse = 1 / out.inputs[i * nu + i];
+            for (int c = 0; c < nz; ++c) out.gain[i * nz + c] = inverse * row[c];
+        }
+        for (int r = 0; r < nz; ++r) {
+            double row[nz];
+            for (int c = 0; c < nz; ++c) row[c] = G[r * na + c];
+            for (int i = 0; i < nu; ++i)
+                for (int c = 0; c < nz; ++c) row[c] -= Y[i * nz + r] * Y[i * nz + c];
+            for (int c = 0; c < nz; ++c) P[r * nz + c] = row[c];
         }
         for (int r = 0; r < nz; ++r)
-            for (int c = 0; c < nz; ++c) {
-                double sum = G[r * na + c];
-                for (int i = 0; i < nu; ++i) sum += out.cross[i * nz + r] * out.gain[i * nz + c];
-                P[r * nz + c] = sum;
-            }
-        for (int r = 0; r < nz; ++r)
-            for (int c = 0; c < r; ++c) P[r * nz + c] = P[c * nz + r] = 0.5 * (P[r * nz + c] + P[c * nz + r]);
+            for (int c = 0; c < r; ++c) P[c * nz + r] = P[r * nz + c];
         return true;
     }
 

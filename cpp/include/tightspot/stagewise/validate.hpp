@@ -21,7 +21,8 @@ inline bool sound(const Polygons& polygons) {
     if (polygons.first.empty() || polygons.first.front() != 0) return false;
     for (int i = 0; i < polygons.size(); ++i)
         if (polygons.count(i) < 1) return false;
-    return polygons.xy.size() == 2 * static_cast<std::size_t>(polygons.first.back()) && all_finite(polygons.xy);
+    const std::size_t count = static_cast<std::size_t>(polygons.first.back());
+    return polygons.x.size() == count && polygons.y.size() == count && all_finite(polygons.x) && all_finite(polygons.y);
 }
 
 inline bool in_order(const Vector& low, const Vector& high, std::size_t size) {
