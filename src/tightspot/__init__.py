@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tightspot.errors import (
+        BlockedError,
         BuildError,
         GeometryError,
         InputError,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
         VehicleError,
     )
     from tightspot.geometry import ConvexPolygon
-    from tightspot.planner import Progress, minimum_penetration, plan
+    from tightspot.planner import Explanation, FailureKind, Progress, minimum_penetration, plan
     from tightspot.scenarios import Obstacle, Scenario, load
     from tightspot.trajectory import Trajectory
     from tightspot.transcription import Objective
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
 
 _ROOMS = {
     "tightspot.errors": (
+        "BlockedError",
         "BuildError",
         "GeometryError",
         "InputError",
@@ -59,7 +61,7 @@ _ROOMS = {
         "VehicleError",
     ),
     "tightspot.geometry": ("ConvexPolygon",),
-    "tightspot.planner": ("Progress", "minimum_penetration", "plan"),
+    "tightspot.planner": ("Explanation", "FailureKind", "Progress", "minimum_penetration", "plan"),
     "tightspot.scenarios": ("Obstacle", "Scenario", "load"),
     "tightspot.trajectory": ("Trajectory",),
     "tightspot.transcription": ("Objective",),
@@ -97,9 +99,12 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
+    "BlockedError",
     "BuildError",
     "Certificate",
     "ConvexPolygon",
+    "Explanation",
+    "FailureKind",
     "GeometryError",
     "InputError",
     "Objective",

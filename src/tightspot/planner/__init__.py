@@ -1,7 +1,27 @@
 """The planner: ``plan()`` wires guess, transcription, solver and judge together."""
 
+from tightspot.planner.bottleneck import Bottleneck
+from tightspot.planner.explanation import Explanation, FailureKind
+from tightspot.planner.passing import Deeper, Passing
 from tightspot.planner.penetration import Contact, Penetration, minimum_penetration
 from tightspot.planner.pipeline import plan
 from tightspot.planner.progress import Progress, ProgressCallback
+from tightspot.planner.reach import Reach
+from tightspot.planner.solver_stop import SolverStop, WorstConstraint
 
-__all__ = ["Contact", "Penetration", "Progress", "ProgressCallback", "minimum_penetration", "plan"]
+__all__ = [
+    "Bottleneck",
+    "Contact",
+    "Deeper",
+    "Explanation",
+    "FailureKind",
+    "Passing",
+    "Penetration",
+    "Progress",
+    "ProgressCallback",
+    "Reach",
+    "SolverStop",
+    "WorstConstraint",
+    "minimum_penetration",
+    "plan",
+]

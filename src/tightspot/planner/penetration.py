@@ -6,13 +6,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from tightspot.errors import InputError, PlanningError, Problem
 from tightspot.formulations import SoftSignedDistance
+from tightspot.geometry import transform
 from tightspot.guesses import Guess, LinearInterpolation, guess
 from tightspot.planner.mesh import steps_for
-from tightspot.planner.pairs import sampled_clearance
+from tightspot.planner.pairs import Room, sampled_clearance
 from tightspot.planner.request import resolve_solver, resolve_vehicle
 from tightspot.planner.rounds import FEASIBLE
 from tightspot.scenarios import Scenario, check, load
@@ -26,6 +28,9 @@ Array = NDArray[np.float64]
 
 TOUCH = 1e-4
 SAMPLES = 12
+REACH = 3.0
+"""Pairs that the start comes this near to are penalised from the beginning, m; others once they are penetrated."""
+PASSES = 4
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,8 @@ class Contact:
         end: Last sampled time of the overlap, s.
         time: When it is deepest, s.
         depth: How deep it is then, m: the length of the shortest translation that parts the two.
+        pose: (x m, y m, theta rad) of the vehicle then, in the scenario's coordinates.
+        place: The middle of the overlap, m, in the scenario's coordinates.
     """
 
     part: str
@@ -47,6 +54,8 @@ class Contact:
     end: float
     time: float
     depth: float
+    pose: tuple[float, float, float]
+    place: tuple[float, float]
 
     def __str__(self) -> str:
         return (
@@ -62,11 +71,14 @@ class Penetration:
     Attributes:
         trajectory: The replayed motion at the knots.
         contacts: Where it collides, deepest first; empty if it does not at any sample.
+        nearest: The sampled moment at which a part comes nearest to an obstacle part, as a contact of no duration whose
+            depth is minus the distance if they do not overlap; ``None`` without obstacles.
         solve: The solver's report.
     """
 
     trajectory: Trajectory
     contacts: tuple[Contact, ...]
+    nearest: Contact | None
     solve: SolveReport
 
     @property
@@ -127,28 +139,102 @@ def minimum_penetration(
     found = method.make(scene, car, margin=margin)
     if found.trajectory is None:
         raise PlanningError(found.reason, report={"guess": found.report, "rounds": []})
-    settings = Settings(objective or Objective(), SoftSignedDistance(), margin=margin, penalty_weight=weight)
-    grid = TimeGrid.uniform(steps or steps_for(found.trajectory))
-    problem = transcribe(scene, car, found.trajectory, settings, grid=grid)
-    report = resolve_solver(solver).solve(problem.nlp)
-    trajectory = problem.trajectory(np.nan_to_num(report.x))
-    if not report.violation <= FEASIBLE:
-        reason = f"The solver found no trajectory, with collisions or without: {report.status.sentence}"
-        raise PlanningError(reason, trajectory=trajectory, report={"solve": report.to_dict(), "rounds": []})
-    motion = replay(car, trajectory)
+    return shallowest(
+        scene,
+        car,
+        found.trajectory,
+        resolve_solver(solver),
+        objective=objective or Objective(),
+        steps=steps or steps_for(found.trajectory),
+        margin=margin,
+        weight=weight,
+    )
+
+
+def shallowest(
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    start: Trajectory,
+    solver: Solver,
+    *,
+    objective: Objective,
+    steps: int,
+    margin: float,
+    weight: float = 100.0,
+) -> Penetration:
+    """:func:`minimum_penetration` from a trajectory."""
+    grid = TimeGrid.uniform(steps)
+    active = Room.of_guess(start, grid, scenario, vehicle).obstacles < REACH
+    settings = Settings(objective, SoftSignedDistance(), margin=margin, penalty_weight=weight)
+    for _ in range(PASSES):
+        problem = transcribe(scenario, vehicle, start, settings, grid=grid, active=active)
+        report = solver.solve(problem.nlp)
+        trajectory = problem.trajectory(np.nan_to_num(report.x))
+        if not report.violation <= FEASIBLE:
+            reason = f"The solver found no trajectory, with collisions or without: {report.status.sentence}"
+            raise PlanningError(reason, trajectory=trajectory, report={"solve": report.to_dict(), "rounds": []})
+        near = Room.of_guess(trajectory, grid, scenario, vehicle).obstacles
+        if not ((near < margin) & ~active).any():
+            break
+        active, start = active | (near < REACH), trajectory
+    motion = replay(vehicle, trajectory)
     times = np.unique(np.linspace(trajectory.t[:-1], trajectory.t[1:], SAMPLES + 1))
-    clear = sampled_clearance(motion.at(times), scene, car)
-    return Penetration(replace(trajectory, states=motion.knots), contacts_of(times, clear, scene, car), report)
+    states = motion.at(times)
+    clear = sampled_clearance(states, scenario, vehicle)
+    contacts = contacts_of(times, states, clear, scenario, vehicle)
+    nearest = None
+    if clear.size:
+        k, i, j = np.unravel_index(int(clear.argmin()), clear.shape)
+        nearest = _contact(times, states, clear, scenario, vehicle, np.array([k]), int(i), int(j))
+    return Penetration(replace(trajectory, states=motion.knots), contacts, nearest, report)
 
 
-def contacts_of(times: Array, clear: Array, scenario: Scenario, vehicle: VehicleModel) -> tuple[Contact, ...]:
-    """Contacts of a motion sampled at times (M,) with signed distances (M, parts, obstacle parts), deepest first."""
+def contacts_of(
+    times: Array, states: Array, clear: Array, scenario: Scenario, vehicle: VehicleModel
+) -> tuple[Contact, ...]:
+    """Contacts of a motion, deepest first.
+
+    Args:
+        times: Of the samples, s, (M,).
+        states: At these times, (M, n_x).
+        clear: Signed distances, m, (M, parts, obstacle parts).
+        scenario: Whose obstacles.
+        vehicle: Whose parts.
+    """
     contacts = []
-    for i, part in enumerate(vehicle.parts):
-        for j, (name, _) in enumerate(scenario.obstacle_parts):
+    for i in range(len(vehicle.parts)):
+        for j in range(len(scenario.obstacle_parts)):
             overlaps = np.flatnonzero(clear[:, i, j] < -TOUCH)
             for run in np.split(overlaps, np.flatnonzero(np.diff(overlaps) > 1) + 1) if overlaps.size else ():
-                deepest = run[np.argmin(clear[run, i, j])]
-                ends = float(times[run[0]]), float(times[run[-1]])
-                contacts.append(Contact(part.name, name, *ends, float(times[deepest]), float(-clear[deepest, i, j])))
+                contacts.append(_contact(times, states, clear, scenario, vehicle, run, i, j))
     return tuple(sorted(contacts, key=lambda contact: -contact.depth))
+
+
+def _contact(
+    times: Array,
+    states: Array,
+    clear: Array,
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    run: NDArray[np.intp],
+    i: int,
+    j: int,
+) -> Contact:
+    """The contact of part i and obstacle part j during consecutive samples."""
+    deepest = run[np.argmin(clear[run, i, j])]
+    part, (obstacle, polygon) = vehicle.parts[i], scenario.obstacle_parts[j]
+    frame = np.array(vehicle.frames(list(states[deepest]), np)[part.frame], float)
+    body, other = shapely.Polygon(transform(part.polygon.vertices, frame)), polygon.to_shapely()
+    overlap = shapely.intersection(body, other)
+    middle = shapely.centroid(shapely.shortest_line(body, other) if overlap.is_empty else overlap)
+    x, y, theta = (float(value) for value in states[deepest, :3])
+    return Contact(
+        part=part.name,
+        obstacle=obstacle,
+        start=float(times[run[0]]),
+        end=float(times[run[-1]]),
+        time=float(times[deepest]),
+        depth=float(-clear[deepest, i, j]),
+        pose=(x, y, theta),
+        place=(float(middle.x), float(middle.y)),
+    )

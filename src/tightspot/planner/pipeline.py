@@ -10,17 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from tightspot.errors import PlanningError
+from tightspot.errors import BlockedError, PlanningError
 from tightspot.formulations import Formulation
 from tightspot.guesses import Guess, GuessResult
+from tightspot.planner.course import run_rounds
+from tightspot.planner.explain import SECONDS, explain_blocked, explain_no_guess, explain_rounds
+from tightspot.planner.explanation import Explanation
 from tightspot.planner.mesh import gear_changes, path_length
 from tightspot.planner.progress import Progress, ProgressCallback
-from tightspot.planner.request import Request, resolve
-from tightspot.planner.rounds import Round, Step, run_round
-from tightspot.planner.strategy import first_step, next_step
-from tightspot.scenarios import Scenario
+from tightspot.planner.request import Request, resolve, resolve_vehicle
+from tightspot.planner.rounds import Round
+from tightspot.scenarios import Scenario, load
 from tightspot.solvers import Solver
-from tightspot.trajectory import Trajectory
 from tightspot.transcription import Objective
 from tightspot.vehicles import VehicleModel
 from tightspot.verification import Plan
@@ -38,6 +39,7 @@ def plan(
     margin: float | None = None,
     refinements: int = 8,
     time_limit: float = 60.0,
+    explain: bool = False,
     progress: ProgressCallback | None = None,
 ) -> Plan:
     """Plan a trajectory that provably keeps ``margin`` from every obstacle at all times.
@@ -56,45 +58,46 @@ def plan(
         margin: Demanded clearance, m; default: the scenario's.
         refinements: Largest number of re-solves.
         time_limit: No new round begins after this many seconds, and the solver is given what is left of them.
+        explain: If there is no plan, find out what would pass: plan it from other guesses, with less margin and with a
+            narrower body, for about a minute more. Nothing changes if there is a plan.
         progress: Called with news while it works.
 
     Returns:
         A certified plan.
 
     Raises:
-        InputError: If the input makes no sense; nothing was computed.
-        PlanningError: If no certified plan was found, with the reason, the last iterate and the witness.
+        BlockedError: If the vehicle cannot stand at the start or at the goal; its ``explanation`` says what would free
+            it.
+        InputError: If the input makes no sense otherwise; nothing was computed.
+        PlanningError: If no certified plan was found, with the reason, the last iterate, the witness and an
+            ``explanation``: why, with numbers, and what to change.
     """
     started = time.perf_counter()
-    request = resolve(scenario, vehicle, objective, formulation, guess, solver, steps, margin, refinements, time_limit)
     tell = progress or (lambda news: None)
+    seconds = SECONDS if explain else None
+    scene = scenario if isinstance(scenario, Scenario) else load(scenario)
+
+    def resolved(scene: Scenario) -> Request:
+        return resolve(scene, vehicle, objective, formulation, guess, solver, steps, margin, refinements, time_limit)
+
+    try:
+        request = resolved(scene)
+    except BlockedError as error:
+        car = resolve_vehicle(scene, vehicle)
+        error.explanation = explain_blocked(error, scene, car, resolved, tell, seconds)
+        raise
     tell(Progress("guess", f"initial guess by {request.guess.name}"))
     found = request.guess.make(request.scenario, request.vehicle, margin=request.margin)
     guessed = time.perf_counter() - started
     if found.trajectory is None:
-        raise PlanningError(found.reason, report={"guess": found.report, "rounds": []})
-    rounds = _rounds(request, found.trajectory, tell, started + time_limit)
+        report = {"guess": found.report, "rounds": []}
+        raise _failure(explain_no_guess(request, found, tell, seconds), [], report)
+    rounds = run_rounds(request, found.trajectory, tell, started + time_limit)
     report = _report(request, found, rounds, guessed, time.perf_counter() - started)
     last = rounds[-1]
     if last.certificate is None or not last.certificate.certified:
-        raise _failure(request, rounds, report)
+        raise _failure(explain_rounds(request, rounds, tell, seconds), rounds, report)
     return Plan(request.scenario, request.vehicle, last.trajectory, last.certificate, report)
-
-
-def _rounds(request: Request, guess: Trajectory, tell: ProgressCallback, deadline: float) -> list[Round]:
-    """Rounds until one is certified or nothing is left to try, or until their number or time is used up."""
-    step: Step | None = first_step(request, guess)
-    rounds: list[Round] = []
-    while step is not None:
-        number = len(rounds)
-        rounds.append(run_round(request, step, number, tell, deadline - time.perf_counter()))
-        judged = rounds[-1].certificate
-        if (judged and judged.certified) or number == request.refinements or time.perf_counter() > deadline:
-            break
-        step = next_step(request, rounds, guess)
-        if step is not None:
-            tell(Progress("refine", step.reason, number + 1))
-    return rounds
 
 
 def _report(request: Request, found: GuessResult, rounds: list[Round], guessed: float, total: float) -> dict[str, Any]:
@@ -123,22 +126,13 @@ def _report(request: Request, found: GuessResult, rounds: list[Round], guessed: 
     }
 
 
-def _failure(request: Request, rounds: list[Round], report: dict[str, Any]) -> PlanningError:
+def _failure(explanation: Explanation, rounds: list[Round], report: dict[str, Any]) -> PlanningError:
     """The exception that says why, with the last iterate and the witness."""
-    last = rounds[-1]
-    witness = last.certificate.witness if last.certificate else None
-    if last.certificate is None:
-        worst = f" The worst constraint is {last.report.worst}." if last.report.worst else ""
-        reason = (
-            f"The solver found no trajectory with {request.margin:g} m of clearance: {last.report.status.sentence}"
-            f"{worst} Try a smaller margin or another guess."
-        )
-    elif witness is not None:
-        reason = (
-            f"No certified plan after {len(rounds)} rounds: {witness}. Try more steps, a larger margin or the "
-            "swept-line formulation."
-        )
-    else:
-        failed = " ".join(check.sentence for check in last.certificate.failed)
-        reason = f"No certified plan after {len(rounds)} rounds. {failed}"
-    return PlanningError(reason, trajectory=last.trajectory, witness=witness, report=report)
+    last = rounds[-1] if rounds else None
+    return PlanningError(
+        f"{explanation.sentence} {explanation.remedy}",
+        trajectory=last.trajectory if last else None,
+        witness=last.certificate.witness if last and last.certificate else None,
+        report=report,
+        explanation=explanation,
+    )

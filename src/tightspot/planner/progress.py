@@ -8,7 +8,7 @@ from typing import Literal
 
 from tightspot.solvers.base import Iteration
 
-Phase = Literal["guess", "solve", "verify", "refine"]
+Phase = Literal["guess", "solve", "verify", "refine", "explain"]
 
 
 @dataclass(frozen=True)

@@ -62,8 +62,15 @@ class Blocked:
     def problems(self) -> list[Problem]:
         """One for each obstacle and for the workspace, with the remedies."""
         remedy = self.remedy
-        found = [*(self._obstacle_sentence(item) for item in self.obstacles), *self._workspace_sentences()]
-        return [Problem(self.end, f"{sentence}; {remedy}") for sentence in found]
+        return [Problem(self.end, f"{fault}; {remedy}") for fault in self.faults]
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong with each obstacle and with the workspace, in words."""
+        found = [self._obstacle_fault(item) for item in self.obstacles]
+        if self.outside:
+            found.append(f"the body reaches {_length(self.outside)} out of the workspace on its {self.side} side")
+        return found
 
     @property
     def remedy(self) -> str:
@@ -99,16 +106,11 @@ class Blocked:
             "margin_that_fits": self.margin_that_fits,
         }
 
-    def _obstacle_sentence(self, found: Clearance) -> str:
+    def _obstacle_fault(self, found: Clearance) -> str:
         body, obstacle = f"the vehicle's {found.part}", f"obstacle {found.obstacle!r}"
         if found.value < 0:
             return f"{body} overlaps {obstacle} by {_length(-found.value)}"
         return f"{body} is {_length(found.value)} from {obstacle}, nearer than the margin of {self.margin:g} m"
-
-    def _workspace_sentences(self) -> list[str]:
-        if not self.outside:
-            return []
-        return [f"the body reaches {_length(self.outside)} out of the workspace on its {self.side} side"]
 
 
 def blocked(scenario: Scenario, vehicle: VehicleModel, margin: float, end: Literal["start", "goal"]) -> Blocked | None:

@@ -1,0 +1,173 @@
+"""The sentences of an explanation: what was found, and what to change."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from tightspot.guesses import GuessResult
+from tightspot.planner.bottleneck import Bottleneck
+from tightspot.planner.passing import Deeper
+from tightspot.planner.penetration import Contact, Penetration
+from tightspot.planner.reach import Reach
+from tightspot.planner.request import Request
+from tightspot.planner.rounds import Round
+from tightspot.planner.solver_stop import SolverStop, obstacle_name
+from tightspot.scenarios import Blocked
+from tightspot.solvers import SolveStatus
+from tightspot.verification import verify
+from tightspot.verification.certificate import WORKSPACE
+
+ASK = "--explain (in Python explain=True) finds the largest margin and the widest body that pass."
+
+_AFTER_STATUS = {
+    SolveStatus.ITERATION_LIMIT: "Allow the solver more iterations, or take another guess",
+    SolveStatus.TIME_LIMIT: "Allow more time (--time-limit, time_limit), take fewer steps or another guess",
+    SolveStatus.STOPPED: "Let the solver run on",
+}
+
+
+def blocked_words(ends: Sequence[Blocked]) -> tuple[str, str]:
+    """(what was found, what to change) when the vehicle cannot stand at the start or the goal."""
+    found = [f"The vehicle cannot stand at the {end.end}: {' and '.join(end.faults)}." for end in ends]
+    remedies = [f"At the {end.end} {end.remedy}." for end in ends]
+    return " ".join(found), " ".join(remedies)
+
+
+def path_words(
+    request: Request, narrow: Bottleneck | None, reach: Reach | None, deeper: Deeper | None
+) -> tuple[str, str]:
+    """When there is no path."""
+    offset = request.scenario.offset
+    came = "" if reach is None else f"; {reach.describe(offset)}"
+    if narrow is not None:
+        return f"There is no path: {narrow.describe(offset)}{came}.", _widen(request, narrow, deeper)
+    where, found = "", "There is no path"
+    if reach is not None:
+        found = _search_words(reach)
+        where = f"around the {reach.enclosed}" if reach.enclosed else "ahead of that pose"
+    other = "--guess linear, which needs no path" if request.guess.name != "linear" else "another guess"
+    return f"{found}{came}.", _asked(f"Make room {where}, ask for a smaller margin, or try {other}.", deeper)
+
+
+def _search_words(reach: Reach) -> str:
+    """How the search ended."""
+    clear = f"{reach.margin:g} m of clearance"
+    if reach.is_proof:
+        return f"There is no path with {clear}: not even a disc about the rear axle gets through"
+    if reach.is_exhaustive:
+        at = f"at the search's {reach.resolution} resolution, at which it looked at all that can be reached"
+        return f"There is no path with {clear} {at}"
+    tried = f"{reach.expansions} expansions and {reach.seconds:.1f} s"
+    return f"The search found no path with {clear} in {tried}, then {reach.limit} ended it, which is no proof"
+
+
+def guess_words(request: Request, found: GuessResult, deeper: Deeper | None) -> tuple[str, str]:
+    """When the guess is itself a failed optimisation."""
+    others = "hybrid-astar or linear" if request.guess.name not in ("hybrid-astar", "linear") else "another"
+    return f"There is no guess to begin with: {found.reason}", _asked(f"Take the guess {others}.", deeper)
+
+
+def solver_words(
+    request: Request, stop: SolverStop, narrow: Bottleneck | None, least: Penetration | None, deeper: Deeper | None
+) -> tuple[str, str]:
+    """When the solver stopped."""
+    offset = request.scenario.offset
+    found = f"The solver found no trajectory with {request.margin:g} m of clearance: {stop.status.sentence}"
+    if stop.worst is not None:
+        found += f" The worst constraint is {stop.worst}"
+        if stop.worst.kind == "dynamics" and stop.tightest is not None:
+            found += f"; after it, {stop.tightest}"
+        found += "."
+    if narrow is not None:
+        return f"{found} There can be none: {narrow.describe(offset)}.", _widen(request, narrow, deeper)
+    remedy = _AFTER_STATUS.get(stop.status, "Take another guess (--guess) or a smaller margin")
+    if stop.tightest is not None and stop.tightest.obstacle not in ("", WORKSPACE):
+        remedy += f", or make room at obstacle {obstacle_name(stop.tightest.obstacle)!r}"
+    if least is not None:
+        remedy += ". A trajectory that keeps the margin at all samples was found afterwards, which is worth a guess"
+    return found, _asked(f"{remedy}.", deeper)
+
+
+def penetration_words(
+    request: Request, stop: SolverStop, near: Contact, narrow: Bottleneck | None, deeper: Deeper | None
+) -> tuple[str, str]:
+    """When only trajectories that come too near were found."""
+    x, y = near.place + request.scenario.offset
+    name = obstacle_name(near.obstacle)
+    where = f"{name!r} at {near.time:.2f} s near ({x:.2f}, {y:.2f})"
+    if near.depth > 0:
+        found = f"Only trajectories that collide were found: at the least, {near.part} penetrates obstacle {where}"
+        found += f" by {near.depth:.3f} m"
+        remedy = f"Move or shorten obstacle {name!r} by at least {near.depth + request.margin:.2f} m there, or take a "
+        remedy += "narrower vehicle"
+    else:
+        found = (
+            f"Only trajectories nearer than the margin of {request.margin:g} m were found: {near.part} comes within "
+        )
+        found += f"{-near.depth:.3f} m of obstacle {where}"
+        least = math.floor(-1000 * near.depth) / 1000
+        remedy = f"Ask for a margin of {least:g} m or less, or make room at obstacle {name!r}"
+    found += f" (the solver: {stop.status.sentence.rstrip('.')})"
+    if narrow is not None:
+        return f"{found}. There can be none: {narrow.describe(request.scenario.offset)}.", _widen(
+            request, narrow, deeper
+        )
+    return f"{found}.", _asked(f"{remedy}, or take another guess (--guess).", deeper)
+
+
+def certificate_words(request: Request, rounds: list[Round], deeper: Deeper | None) -> tuple[str, str]:
+    """When there is a trajectory, but the judge did not certify it."""
+    last = rounds[-1]
+    certificate = last.certificate
+    if certificate is None:
+        return "No certified plan.", "Take another guess (--guess)."
+    count = f"{len(rounds)} rounds" if len(rounds) > 1 else "one round"
+    if certificate.witness is not None:
+        why = f": {certificate.witness}."
+    else:
+        why = ". " + " ".join(f"{check.sentence}." for check in certificate.failed)
+    ways = []
+    if request.formulation.holds == "knots":
+        ways.append("take the swept-line formulation, which holds between the knots, too")
+    if len(rounds) <= request.refinements:
+        ways.append("allow more time (--time-limit, time_limit)")
+    else:
+        ways.append("allow more refinements or begin with more steps (--steps)")
+    kept = _margin_kept(request, last)
+    if kept is not None:
+        ways.append(f"ask for a margin of {kept:g} m, which this very trajectory keeps at all times")
+    remedy = "; or ".join(ways)
+    return f"No certified plan after {count}{why}", _asked(f"{remedy[0].upper()}{remedy[1:]}.", deeper)
+
+
+def _margin_kept(request: Request, last: Round) -> float | None:
+    """The margin in whole mm with which the judge certifies the last trajectory as it is, if there is one, m."""
+    certificate = last.certificate
+    if certificate is None or not np.isfinite(certificate.clearance):
+        return None
+    clearance = min([certificate.clearance, *(witness.clearance for witness in certificate.witnesses)])
+    kept = math.floor(1000 * clearance) / 1000
+    if not 0 <= kept < request.margin:
+        return None
+    again = verify(request.scenario, request.vehicle, last.trajectory, margin=kept)
+    return kept if again.certified else None
+
+
+def _widen(request: Request, narrow: Bottleneck, deeper: Deeper | None) -> str:
+    """What to do about a place that is too narrow."""
+    if not narrow.room:
+        names = " and ".join(repr(name) for name in narrow.between if name != WORKSPACE)
+        return f"Open a way{f' through obstacle {names}' if names else ''}: no margin and no narrower body helps."
+    missing = narrow.needed - narrow.room
+    remedy = f"Widen it by at least {missing:.3f} m, or take a narrower vehicle"
+    if narrow.margin is not None:
+        remedy += f", or a margin of {narrow.margin:g} m or less"
+    return _asked(f"{remedy}.", deeper)
+
+
+def _asked(remedy: str, deeper: Deeper | None) -> str:
+    """The remedy, and that more can be asked for if it was not."""
+    return remedy if deeper is not None else f"{remedy} {ASK}"

@@ -1,0 +1,132 @@
+"""Where the solver stopped: which constraint of its last iterate is violated most, by what, when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.planner.pairs import sampled_clearance
+from tightspot.planner.request import Request
+from tightspot.planner.rounds import Round
+from tightspot.solvers import SolveStatus
+from tightspot.solvers.nlp import RowBlock
+from tightspot.verification.certificate import WORKSPACE, Witness
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WorstConstraint:
+    """A constraint that the last iterate violates.
+
+    Attributes:
+        kind: ``dynamics``, ``workspace`` or ``separation``.
+        part: Name of the body part; empty for the dynamics.
+        obstacle: Name of the obstacle part; ``workspace`` for its border; empty for the dynamics.
+        start: Beginning of the time in which it shall hold, s.
+        end: End of that time, s; the same for constraints at one moment.
+        violation: By how much, in the constraint's own unit.
+    """
+
+    kind: str
+    part: str
+    obstacle: str
+    start: float
+    end: float
+    violation: float
+
+    def __str__(self) -> str:
+        when = f"at {self.end:.2f} s" if self.start == self.end else f"from {self.start:.2f} s to {self.end:.2f} s"
+        if self.kind == "dynamics":
+            return f"the vehicle's dynamics {when} (violated by {self.violation:.2g})"
+        what = "the workspace's border" if self.obstacle == WORKSPACE else f"obstacle {obstacle_name(self.obstacle)!r}"
+        return f"the separation of {self.part} from {what} {when} (violated by {self.violation:.2g})"
+
+
+@dataclass(frozen=True, eq=False)
+class SolverStop:
+    """How the last solve ended.
+
+    Attributes:
+        status: Of the solver.
+        iterations: Of the last solve.
+        rounds: Number of solves.
+        violation: Largest violation of anything at the last iterate.
+        worst: The constraint that is violated most, or ``None`` if only bounds are.
+        tightest: The constraint on clearance of an obstacle or on W that is violated most, or ``None``.
+        witness: Where the last iterate's knots come nearest to an obstacle; ``None`` without obstacles.
+    """
+
+    status: SolveStatus
+    iterations: int
+    rounds: int
+    violation: float
+    worst: WorstConstraint | None
+    tightest: WorstConstraint | None
+    witness: Witness | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "status": self.status.name,
+            "sentence": self.status.sentence,
+            "iterations": self.iterations,
+            "rounds": self.rounds,
+            "violation": self.violation if np.isfinite(self.violation) else None,
+            "worst_constraint": None if self.worst is None else vars(self.worst),
+            "worst_separation": None if self.tightest is None else vars(self.tightest),
+        }
+
+
+def obstacle_name(part: str) -> str:
+    """The obstacle's name of a name of an obstacle part: ``wall`` of ``wall/0``."""
+    return part.rsplit("/", 1)[0]
+
+
+def solver_stop(request: Request, rounds: list[Round]) -> SolverStop:
+    """Of the last round, which is one that was not solved."""
+    last = rounds[-1]
+    blocks = [block for block in last.transcription.nlp.blocks if block.rows.stop > block.rows.start]
+    return SolverStop(
+        status=last.report.status,
+        iterations=last.report.iterations,
+        rounds=len(rounds),
+        violation=last.report.violation,
+        worst=_worst(request, last, blocks),
+        tightest=_worst(request, last, [block for block in blocks if block.kind != "dynamics"]),
+        witness=_nearest(request, last),
+    )
+
+
+def _worst(request: Request, last: Round, blocks: list[RowBlock]) -> WorstConstraint | None:
+    """The most violated of the blocks, if any is violated."""
+    rows = np.nan_to_num(last.transcription.nlp.violation(last.report.g), nan=np.inf)
+    violations = [float(rows[block.rows].max()) for block in blocks]
+    worst = int(np.argmax(violations)) if violations else 0
+    if not violations or violations[worst] <= 0:
+        return None
+    block, names, obstacle, part = blocks[worst], request.scenario.obstacle_parts, "", ""
+    if block.kind in ("workspace", "separation"):
+        part = request.vehicle.parts[block.key[0]].name
+        obstacle = WORKSPACE if block.kind == "workspace" else names[block.key[1]][0]
+    t, k = last.trajectory.t, block.knot
+    throughout = block.kind == "dynamics" or last.mesh.formulation.holds == "interval"
+    start = float(t[k - 1] if throughout and k > 0 else t[k])
+    return WorstConstraint(block.kind, part, obstacle, start, float(t[k]), violations[worst])
+
+
+def _nearest(request: Request, last: Round) -> Witness | None:
+    """The last iterate's worst knot, as the solver sees it: its knots need not be what its inputs lead to."""
+    states = last.trajectory.states
+    clear = sampled_clearance(states, request.scenario, request.vehicle)
+    if not clear.size:
+        return None
+    k, i, j = (int(index) for index in np.unravel_index(int(clear.argmin()), clear.shape))
+    x, y, theta = (float(value) for value in states[k, :3])
+    value = float(clear[k, i, j])
+    obstacle = request.scenario.obstacle_parts[j][0]
+    kind = "collision" if value < 0 else "margin"
+    return Witness(float(last.trajectory.t[k]), request.vehicle.parts[i].name, obstacle, value, (x, y, theta), kind)
