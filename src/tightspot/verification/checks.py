@@ -22,15 +22,20 @@ class Limits:
     Attributes:
         defect_position: Knots may differ from the replay by this, m.
         defect_heading: The same for headings, rad.
+        defect_state: The same for every other state, in its unit.
         bounds: States and inputs may exceed their bounds by this, in their units.
         start: The first state may differ from the scenario's start by this, in the states' units.
     """
 
     defect_position: float = 5e-3
     defect_heading: float = 5e-3
+    defect_state: float = 5e-3
     bounds: float = 1e-6
     start: float = 1e-6
 
+
+POSE = 3
+"""A model's first states are x, y and theta."""
 
 # Name of the check, the state it is about and its place in a scenario's start and goal, its unit.
 _SCALARS = (("heading", "theta", 2, "rad"), ("speed", "v", 3, "m/s"), ("steering", "delta", 4, "rad"))
@@ -57,6 +62,13 @@ def _dynamics(replay: Replay, limits: Limits) -> Iterator[Check]:
     what = "knots differ from the replayed inputs by"
     yield upper("dynamics position", position, limits.defect_position, what, "m")
     yield upper("dynamics heading", heading, limits.defect_heading, what, "rad")
+    vehicle, stored = replay.vehicle, replay.trajectory.states
+    groups = {name: group for group, name, _, _ in _SCALARS}
+    for place, (name, unit) in enumerate(zip(vehicle.state_names, vehicle.state_units, strict=True)):
+        if place >= POSE:
+            apart = float(np.abs(stored[:, place] - replay.knots[:, place]).max())
+            group = groups.get(name, name)
+            yield upper(f"dynamics {group}", apart, limits.defect_state, f"{group} at the knots: {what}", unit)
 
 
 def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:

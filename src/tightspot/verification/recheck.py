@@ -65,9 +65,13 @@ def _expected(
     scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory, motion: CheckedMotion
 ) -> Iterator[_Expected]:
     at_knots = motion.states[np.searchsorted(motion.times, trajectory.t)]
-    apart = trajectory.states[:, :3] - at_knots[:, :3]
+    apart = trajectory.states - at_knots
     yield _Expected("dynamics position", float(np.sqrt((apart[:, :2] ** 2).sum(axis=1)).max()), DEFECT)
     yield _Expected("dynamics heading", max(map(_turn, apart[:, 2].tolist())), DEFECT)
+    for place, name in enumerate(vehicle.state_names):
+        if place >= 3:
+            group = {"v": "speed", "delta": "steering"}.get(name, name)
+            yield _Expected(f"dynamics {group}", float(np.abs(apart[:, place]).max()), DEFECT)
     visited = np.vstack([trajectory.states, motion.states])
     yield _Expected("state bounds", _excess(visited, vehicle.state_bounds), BOUNDS)
     yield _Expected("input bounds", _excess(trajectory.inputs, vehicle.input_bounds), BOUNDS)
