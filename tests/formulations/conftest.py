@@ -6,7 +6,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tightspot.formulations import Pair, Pose, SeparatingGap, SeparatingLine, SharedVertexExclusion, UnitNormalLine
+from tightspot.formulations import (
+    Pair,
+    Pose,
+    SeparatingGap,
+    SeparatingLine,
+    SharedVertexExclusion,
+    SweptLine,
+    SweptUnitNormalLine,
+    UnitNormalLine,
+)
 from tightspot.formulations.duals import support_multipliers
 from tightspot.geometry import rotation, transform
 
@@ -68,13 +77,13 @@ def _line_auxiliary(member, body, obstacle, pose, direction, length=1.0):
     n = np.array([np.cos(direction), np.sin(direction)])
     nearest = (transform(body.vertices, pose) @ n).min()
     farthest = (obstacle.vertices @ n).max()
-    if isinstance(member, SeparatingLine):
+    if isinstance(member, SeparatingLine | SweptLine):
         return length * np.array([*n, (nearest + farthest) / 2])
     if isinstance(member, SeparatingGap):
         return length * np.array([*n, nearest, farthest])
     if isinstance(member, UnitNormalLine):  # in the body's frame
         return np.array([direction - pose[2], (nearest + farthest) / 2 - n @ pose[:2]])
-    if member.name == "swept-line":
+    if isinstance(member, SweptUnitNormalLine):
         return np.array([direction, (nearest + farthest) / 2])
     if member.name == "min-edge-distance":
         return np.zeros(0)

@@ -17,6 +17,7 @@ from tightspot.formulations import (
     SignedDistanceDual,
     SoftSignedDistance,
     SweptLine,
+    SweptUnitNormalLine,
     TriangleArea,
     UnitNormalLine,
     VertexExclusion,
@@ -107,7 +108,8 @@ def test_multipliers_without_a_scale_may_not_vanish(evaluator, member):
 SIZES = [
     (SeparatingLine(), lambda B, O: (3, B + O + 1)),
     (UnitNormalLine(), lambda B, O: (2, B + O)),
-    (SweptLine(), lambda B, O: (2, 3 * B + O)),
+    (SweptLine(), lambda B, O: (3, 3 * B + O + 1)),
+    (SweptUnitNormalLine(), lambda B, O: (2, 3 * B + O)),
     (SeparatingGap(), lambda B, O: (4, B + O + 2)),
     (VertexExclusion(), lambda B, O: (2 * B * O, B + O)),
     (SharedVertexExclusion(), lambda B, O: (B + O, B + O)),

@@ -16,6 +16,7 @@ from tightspot.formulations import (
     SignedDistanceDual,
     SoftSignedDistance,
     SweptLine,
+    SweptUnitNormalLine,
     TriangleArea,
     UnitNormalLine,
     VertexExclusion,
@@ -33,7 +34,7 @@ def label(member):
     return member.name + (f" x{member.copies}" if getattr(member, "copies", 1) > 1 else "")
 
 
-LINES = (SeparatingLine, UnitNormalLine, SweptLine)  # half the margin on either side of the line
+LINES = (SeparatingLine, UnitNormalLine, SweptLine, SweptUnitNormalLine)  # half the margin on either side of the line
 SCALELESS = (FarkasDual, SharedVertexExclusion)  # say "distance > margin" and approach it as multipliers grow
 ATTAINING = [m for m in MEMBERS if m.expresses_margin and not isinstance(m, SCALELESS)]
 EXACT = [m for m in MEMBERS if m.is_exact]
@@ -102,7 +103,7 @@ def test_overlapping_polygons_leave_no_feasible_point(evaluator, line_auxiliary,
     n_poses = count_of_poses(member)
     rows = build(evaluator, member, body, obstacle, n_poses)
     at_rest, margins = np.tile(pose, (n_poses, 1)), np.full(n_poses, margin)
-    unit = isinstance(member, UnitNormalLine | SweptLine | MinEdgeDistance)
+    unit = isinstance(member, UnitNormalLine | SweptUnitNormalLine | MinEdgeDistance)
     for direction in np.linspace(0, 2 * np.pi, 8, endpoint=False):
         normal = np.array([np.cos(direction), np.sin(direction)])
         gap = (V @ normal).min() - (obstacle.vertices @ normal).max()
@@ -258,7 +259,7 @@ def swept_margin(evaluator, car, part, obstacle, motion, intervals):
     demanded = np.full(intervals + 1, cover)
     values = rows.values(aux, obstacle, at, demanded)
     n_obstacle = len(obstacle.vertices)
-    margin = 2 * min(-values[:n_obstacle].max(), values[n_obstacle:].min())
+    margin = 2 * min(-values[:n_obstacle].max(), values[n_obstacle:-1].min())
     assert rows.violation(aux, obstacle, at, demanded + margin) < 1e-9
     return margin, cover
 

@@ -7,7 +7,20 @@ import pytest
 
 from tightspot.formulations import SeparatingLine, SweptLine
 from tightspot.geometry import clearance
-from tightspot.planner.mesh import COVER, FEWEST, MOST, gear_changes, path_length, poses_for, steps_for
+from tightspot.geometry.transforms import transform
+from tightspot.planner.mesh import (
+    COVER,
+    EASY,
+    FEWEST,
+    MOST,
+    MOST_POSES,
+    covers_of,
+    gear_changes,
+    path_length,
+    poses_for,
+    poses_on,
+    steps_for,
+)
 from tightspot.planner.pairs import Room, by_interval, sampled_clearance
 from tightspot.scenarios import builtin
 from tightspot.trajectory import Trajectory
@@ -53,6 +66,28 @@ def test_poses_keep_the_cover_small_at_half_the_speed_limit() -> None:
     rho = car.parts[0].polygon.radius
     bound = car.acceleration_bound(0, rho, [0, 0, 0, speed, 0], [1.0, car.limits.steering_rate], 0.0, np)
     assert bound * between**2 / 8 <= COVER * 1.001
+
+
+def test_covers_bound_what_the_motion_needs_between_the_knots() -> None:
+    """Against the deviation of every vertex from its chord, on a fine replay."""
+    car = vehicle("paper")
+    motion = drive([(1.0, 0.08), (0.0, 0.08), (-0.5, -0.08), (-0.5, -0.05), (-1.0, 0.0)], step=0.8)
+    covers = covers_of(motion, car)
+    played = replay(car, motion)
+    corners = car.parts[0].polygon.vertices
+    weights = np.linspace(0, 1, 41)
+    for k, (before, after) in enumerate(zip(motion.t[:-1], motion.t[1:], strict=True)):
+        V = transform(corners, played.at(before + weights * (after - before))[:, :3])
+        chord = (1 - weights)[:, None, None] * V[:1] + weights[:, None, None] * V[-1:]
+        off = np.linalg.norm(V - chord, axis=2).max()
+        assert off <= covers[k] < 12 * off + 0.02
+
+
+def test_interior_poses_stand_where_the_cover_would_cost_room() -> None:
+    covers = np.array([0.04, 0.19, 0.19, 3.0, 3.0])
+    spare = np.array([0.0, 0.0, 0.19 + EASY + 0.01, 0.0, 9.0])
+    assert poses_on(SweptLine(), covers, spare) == (1, 2, 1, MOST_POSES, 1)
+    assert poses_on(SeparatingLine(), covers, spare) == (1,) * 5
 
 
 def test_sampled_clearance_is_the_distance_of_every_pair() -> None:

@@ -9,8 +9,9 @@ import numpy as np
 from tightspot.formulations import SeparatingLine, SweptLine, UnitNormalLine
 from tightspot.guesses import GivenPath, LinearInterpolation
 from tightspot.planner.request import Request, resolve
-from tightspot.planner.rounds import Mesh, Round, run_round
-from tightspot.planner.strategy import EXTRA, FAILED_SOLVES, at_knots, first_step, next_step, refine
+from tightspot.planner.rounds import Mesh, Round, Step, run_round
+from tightspot.planner.pairs import Room
+from tightspot.planner.strategy import EXTRA, FAILED_SOLVES, HOPELESS, at_knots, first_step, next_step, refine
 from tightspot.scenarios import builtin
 from tightspot.solvers import Ipopt
 from tightspot.trajectory import Trajectory
@@ -35,14 +36,14 @@ def mesh(steps: int, formulation: object = None) -> Mesh:
     return Mesh(
         formulation or SweptLine(),
         TimeGrid.uniform(steps),
-        2,
+        (2,) * steps,
         EXTRA,
         np.zeros((steps, 1, 2), bool),
         np.ones((steps, 1, 4), bool),
     )  # type: ignore[arg-type]
 
 
-def test_a_rough_guess_is_first_made_free_at_the_knots() -> None:
+def test_a_guess_is_first_made_free_at_the_knots() -> None:
     guess = LinearInterpolation().make(builtin("vertical"), request().vehicle, margin=0.05).trajectory
     assert guess is not None
     assert first_step(request(), guess).mesh.formulation.holds == "knots"
@@ -65,7 +66,8 @@ def test_refine_splits_exactly_the_intervals_that_are_too_near() -> None:
     kept = np.isin(np.round(old.grid.fractions, 12), np.round(new.grid.fractions, 12))
     assert kept.all(), "old knots stay knots"
     assert new.extra == old.extra, "the margin grows later only"
-    assert refine(asked, old, replay(asked.vehicle, trajectory), judged, 3).extra > old.extra
+    assert refine(asked, old, replay(asked.vehicle, trajectory), judged, 4).extra > old.extra
+    assert len(new.poses) == new.grid.steps
     assert new.active.shape == (new.grid.steps, 1, 2)
 
 
@@ -78,30 +80,74 @@ def test_an_objection_other_than_clearance_splits_everything() -> None:
     assert refine(asked, old, replay(asked.vehicle, trajectory), judged, 1).grid.steps == 26
 
 
-def failed(asked: Request, tried: Mesh, guess: Trajectory) -> Round:
+def failed(asked: Request, step: Step) -> Round:
     hopeless = replace(asked, solver=Ipopt(max_iterations=1))
-    outcome = run_round(hopeless, tried, guess, 0, lambda news: None, 10.0)
+    outcome = run_round(hopeless, step, 0, lambda news: None, 10.0)
     assert not outcome.solved
     return outcome
 
 
-def test_after_failed_solves_it_tries_knots_then_more_intervals_then_stops() -> None:
+def test_after_failed_solves_it_tries_whole_intervals_then_more_of_them_then_stops() -> None:
     asked = request()
     guess = LinearInterpolation().make(asked.scenario, asked.vehicle, margin=0.05).trajectory
     assert guess is not None
-    rounds = [failed(asked, mesh(10), guess)]
+    rounds = [failed(asked, first_step(asked, guess))]
     second = next_step(asked, rounds, guess)
     assert second is not None
-    assert second.mesh.formulation.holds == "knots"
+    assert second.mesh.formulation is asked.formulation
     assert second.mesh.grid.steps == 10
-    rounds.append(failed(asked, second.mesh, guess))
+    rounds.append(failed(asked, second))
     third = next_step(asked, rounds, guess)
     assert third is not None
     assert third.mesh.grid.steps == 15
-    assert third.mesh.formulation is asked.formulation
+    assert third.mesh.formulation.holds == "knots"
     while len(rounds) <= FAILED_SOLVES:
         rounds.append(rounds[-1])
     assert next_step(asked, rounds, guess) is None
+
+
+def solved_at_the_knots(name: str, **changes: object) -> tuple[Request, Trajectory, Round]:
+    asked = replace(resolve(builtin(name), None, None, None, None, None, None, 0.02, 4, 60.0), **changes)  # type: ignore[arg-type]
+    guess = asked.guess.make(asked.scenario, asked.vehicle, margin=asked.margin).trajectory
+    assert guess is not None
+    return asked, guess, run_round(asked, first_step(asked, guess), 0, lambda news: None, 30.0)
+
+
+def test_after_the_knots_come_whole_intervals_on_a_mesh_that_is_finer_where_it_is_near() -> None:
+    asked, guess, first = solved_at_the_knots("parallel")
+    assert first.replay is not None
+    step = next_step(asked, [first], guess)
+    assert step is not None
+    assert step.mesh.formulation is asked.formulation
+    assert step.before is first, "lines and multipliers are carried over"
+    finer = step.mesh.grid.fractions
+    assert np.isin(np.round(first.mesh.grid.fractions, 12), np.round(finer, 12)).all(), "old knots stay knots"
+    widths = np.diff(finer)
+    assert widths.max() / widths.min() > 1.9, "not uniform"
+    spare = Room.of_replay(first.replay, asked.scenario, asked.vehicle).spare(asked.margin)
+    middles = (finer[:-1] + finer[1:]) / 2
+    inside = np.searchsorted(first.mesh.grid.fractions, middles) - 1
+    cut = np.bincount(inside, minlength=spare.size) > 1
+    assert cut[spare < 0].all()
+    assert not cut[spare > 0.5].any()
+    np.testing.assert_allclose(step.start.states, first.replay.at(step.start.t), atol=1e-12)
+    second = run_round(asked, step, 1, lambda news: None, 30.0)
+    assert second.certificate is not None
+    assert second.certificate.certified
+    assert second.report.iterations < 100
+    timings = second.to_dict()["timings"]
+    assert set(timings) == {"set_up", "solve", "judge"}
+    assert second.to_dict()["seconds"] == sum(timings.values())
+
+
+def test_a_solution_whose_knots_jump_over_an_obstacle_is_no_start() -> None:
+    asked, guess, first = solved_at_the_knots("vertical", steps=4)
+    assert first.replay is not None
+    assert Room.of_replay(first.replay, asked.scenario, asked.vehicle).deepest < -HOPELESS
+    step = next_step(asked, [first], guess)
+    assert step is not None
+    assert step.kind == "guess"
+    assert step.mesh.formulation is asked.formulation
 
 
 def test_the_given_path_is_a_rough_guess() -> None:

@@ -66,8 +66,8 @@ class Room:
 
     @property
     def deepest(self) -> float:
-        """Smallest clearance of obstacles, m; infinite without any."""
-        return float(self.obstacles.min(initial=np.inf))
+        """Smallest clearance of obstacles and distance inside W, m."""
+        return float(min(self.obstacles.min(initial=np.inf), self.walls.min(initial=np.inf)))
 
     def spare(self, margin: float) -> Array:
         """How much nearer the motion might come on each interval, m, (N,); negative where it is too near.

@@ -11,17 +11,21 @@ from tightspot.errors import InputError, Problem
 from tightspot.formulations import Formulation, SweptLine, formulation
 from tightspot.guesses import Guess, HybridAStar, guess
 from tightspot.scenarios import Scenario, check, load
-from tightspot.solvers import SOLVERS, Ipopt, Solver
-from tightspot.transcription import Objective
+from tightspot.solvers import BACKENDS, Ipopt, Solver, Stagewise
+from tightspot.transcription import Objective, fits_stages
 from tightspot.vehicles import SingleTrack, VehicleModel, from_dict, load_vehicle
 
 MOST_STEPS = 500
 LARGEST_MARGIN = 10.0
+FALLBACK_SECONDS = 25.0
 
 
 @dataclass(frozen=True)
 class Request:
-    """Everything :func:`tightspot.plan` was asked for, with the defaults filled in."""
+    """Everything :func:`tightspot.plan` was asked for, with the defaults filled in.
+
+    ``fallbacks`` are tried, in order, when ``solver`` fails.
+    """
 
     scenario: Scenario
     vehicle: VehicleModel
@@ -29,6 +33,7 @@ class Request:
     formulation: Formulation
     guess: Guess
     solver: Solver
+    fallbacks: tuple[Solver, ...]
     steps: int | None
     margin: float
     refinements: int
@@ -66,14 +71,17 @@ def resolve(
         problems.append(Problem("time_limit", f"{time_limit} s must be positive"))
     if problems:
         raise InputError(problems)
+    member = formulation(formulation_) if isinstance(formulation_, str) else formulation_ or SweptLine()
+    backend, fallbacks = solvers_for(solver, car, member)
     check(scene, car, margin)
     return Request(
         scene,
         car,
         objective or Objective(),
-        formulation(formulation_) if isinstance(formulation_, str) else formulation_ or SweptLine(),
+        member,
         guess(guess_) if isinstance(guess_, str) else guess_ or HybridAStar(),
-        resolve_solver(solver),
+        backend,
+        fallbacks,
         steps,
         margin,
         refinements,
@@ -91,11 +99,32 @@ def resolve_vehicle(scenario: Scenario, vehicle: VehicleModel | str | Path | Non
 
 
 def resolve_solver(solver: Solver | str | None) -> Solver:
-    """The given solver, by object or name; otherwise IPOPT."""
+    """The given solver, by object or name; otherwise IPOPT, which solves everything."""
     if isinstance(solver, Solver):
         return solver
     if solver is None:
-        return Ipopt(time_limit=25.0)
-    if solver.lower() in SOLVERS:
-        return SOLVERS[solver.lower()]()
-    raise InputError(Problem("solver", f"{solver!r} is not known; choose one of {', '.join(SOLVERS)}"))
+        return Ipopt(time_limit=FALLBACK_SECONDS)
+    if solver.lower() in BACKENDS:
+        return BACKENDS[solver.lower()]()
+    raise InputError(Problem("solver", f"{solver!r} is not known; choose one of {', '.join(BACKENDS)}"))
+
+
+def solvers_for(
+    solver: Solver | str | None, vehicle: VehicleModel, formulation: Formulation
+) -> tuple[Solver, tuple[Solver, ...]]:
+    """The solver and its fall-backs: the stagewise one and IPOPT, unless one is asked for by itself.
+
+    Raises:
+        InputError: The stagewise solver is asked for and cannot solve this; or the name is not known.
+    """
+    fits = fits_stages(vehicle, formulation)
+    if solver is None:
+        ipopt = resolve_solver(None)
+        return (Stagewise(), (ipopt,)) if fits else (ipopt, ())
+    chosen = resolve_solver(solver)
+    if isinstance(chosen, Stagewise) and not fits:
+        sentence = f"stagewise cannot solve {type(vehicle).__name__} with {formulation.name}"
+        raise InputError(
+            Problem("solver", f"{sentence}; choose ipopt, or a single-track vehicle with a line formulation")
+        )
+    return chosen, ()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,9 +14,18 @@ from numpy.typing import NDArray
 from tightspot.formulations import Formulation
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
-from tightspot.solvers import Iteration, SolveReport
+from tightspot.solvers import Iteration, IterationCallback, Solver, SolveReport, StageReport, Stagewise
 from tightspot.trajectory import Trajectory
-from tightspot.transcription import Settings, TimeGrid, Transcription, carry_over, transcribe
+from tightspot.transcription import (
+    Settings,
+    TimeGrid,
+    Transcription,
+    carry_lines,
+    carry_over,
+    fits_stages,
+    stage_problem,
+    transcribe,
+)
 from tightspot.verification import Certificate, verify
 from tightspot.verification.replay import Replay, replay
 
@@ -77,8 +88,9 @@ class Round:
 
     Attributes:
         step: What was solved, from where and why.
-        transcription: The nonlinear program.
+        program: Builds the nonlinear program; solvers that take arrays do without it.
         report: The solver's.
+        abandoned: Reports of the solvers that failed before.
         trajectory: The replayed trajectory: the inputs integrated from the start, sampled at the knots.
         replay: The continuous motion; ``None`` if the solve failed.
         certificate: The judge's word; ``None`` if the solve failed.
@@ -86,12 +98,18 @@ class Round:
     """
 
     step: Step
-    transcription: Transcription
+    program: Callable[[], Transcription]
     report: SolveReport
+    abandoned: tuple[SolveReport, ...]
     trajectory: Trajectory
     replay: Replay | None
     certificate: Certificate | None
     timings: dict[str, float]
+
+    @property
+    def transcription(self) -> Transcription:
+        """The nonlinear program, built when it is first asked for; the report's vectors are in its order."""
+        return self.program()
 
     @property
     def mesh(self) -> Mesh:
@@ -118,10 +136,11 @@ class Round:
             "poses": sum(self.mesh.poses),
             "demanded_clearance_extra": self.mesh.extra,
             "pairs": int(self.mesh.active.sum()),
-            "variables": self.transcription.nlp.n_variables,
-            "rows": self.transcription.nlp.n_rows,
+            "variables": self.report.x.size,
+            "rows": self.report.g.size,
             "warm": self.step.before is not None,
             "solve": self.report.to_dict(),
+            "fell_back_from": [report.to_dict() for report in self.abandoned],
             "certified": bool(judged.certified) if judged else False,
             "clearance": judged.clearance if judged and np.isfinite(judged.clearance) else None,
             "witness": str(judged.witness) if judged and judged.witness else None,
@@ -136,25 +155,49 @@ def run_round(request: Request, step: Step, number: int, progress: ProgressCallb
     mesh = step.mesh
     pairs = int(mesh.active.sum())
     progress(Progress("solve", f"{mesh.grid.steps} intervals, {pairs} pairs of parts near each other", number))
-    transcription = transcribe(
-        request.scenario,
-        request.vehicle,
-        step.start,
-        _settings(request, mesh),
-        grid=mesh.grid,
-        active=mesh.active,
-        walls=mesh.walls,
-    )
-    before = step.before
-    warm = carry_over(before.transcription, before.report, transcription) if before else None
+    settings = _settings(request, mesh)
+
+    @cache
+    def program() -> Transcription:
+        masks = {"active": mesh.active, "walls": mesh.walls}
+        return transcribe(request.scenario, request.vehicle, step.start, settings, grid=mesh.grid, **masks)
 
     def watch(iteration: Iteration) -> None:
         progress(Progress("solve", f"iteration {iteration.number}", number, iteration))
 
-    report = request.solver.with_time_limit(seconds).solve(transcription.nlp, warm=warm, callback=watch)
-    solve = report.timings.get("solve", 0.0)
+    reports: list[SolveReport] = []
+    for solver in (request.solver, *request.fallbacks):
+        if isinstance(solver, Stagewise) and not fits_stages(request.vehicle, mesh.formulation):
+            continue
+        limited = solver.with_time_limit(seconds - (time.perf_counter() - started))
+        reports.append(_solved(request, step, settings, limited, program, watch))
+        if reports[-1].status.success:
+            break
+    best = min(reports, key=lambda report: (not report.status.success, report.violation > FEASIBLE))
+    abandoned = tuple(report for report in reports if report is not best)
+    solve = sum(report.timings.get("solve", 0.0) for report in reports)
     timings = {"set_up": time.perf_counter() - started - solve, "solve": solve}
-    return _judged(request, step, transcription, report, number, progress, timings)
+    return _judged(request, step, program, best, abandoned, number, progress, timings)
+
+
+def _solved(
+    request: Request,
+    step: Step,
+    settings: Settings,
+    solver: Solver,
+    program: Callable[[], Transcription],
+    watch: IterationCallback,
+) -> SolveReport:
+    """By the stagewise solver from arrays, by others from the nonlinear program, each with what can be carried over."""
+    mesh, before = step.mesh, step.before
+    if not isinstance(solver, Stagewise):
+        warm = carry_over(before.transcription, before.report, program()) if before else None
+        return solver.solve(program().nlp, warm=warm, callback=watch)
+    masks = {"active": mesh.active, "walls": mesh.walls}
+    problem = stage_problem(request.scenario, request.vehicle, step.start, settings, grid=mesh.grid, **masks)
+    if before is not None and isinstance(before.report, StageReport):
+        problem = carry_lines(before.mesh.grid, before.report, problem)
+    return solver.solve_stages(problem, callback=watch)
 
 
 def _settings(request: Request, mesh: Mesh) -> Settings:
@@ -172,14 +215,15 @@ def _settings(request: Request, mesh: Mesh) -> Settings:
 def _judged(
     request: Request,
     step: Step,
-    transcription: Transcription,
+    program: Callable[[], Transcription],
     report: SolveReport,
+    abandoned: tuple[SolveReport, ...],
     number: int,
     progress: ProgressCallback,
     timings: dict[str, float],
 ) -> Round:
     started = time.perf_counter()
-    trajectory = transcription.trajectory(np.nan_to_num(report.x))
+    trajectory = _trajectory(request, step, program, report)
     motion = certificate = None
     if report.violation <= FEASIBLE and np.isfinite(report.objective):
         progress(Progress("verify", "replaying the inputs and covering all times", number))
@@ -187,7 +231,15 @@ def _judged(
         trajectory = replace(trajectory, states=_within_bounds(motion.knots, request))
         certificate = verify(request.scenario, request.vehicle, trajectory, margin=request.margin)
     timings = timings | {"judge": time.perf_counter() - started}
-    return Round(step, transcription, report, trajectory, motion, certificate, timings)
+    return Round(step, program, report, abandoned, trajectory, motion, certificate, timings)
+
+
+def _trajectory(request: Request, step: Step, program: Callable[[], Transcription], report: SolveReport) -> Trajectory:
+    if not isinstance(report, StageReport) or report.states is None or report.inputs is None:
+        return program().trajectory(np.nan_to_num(report.x))
+    t = np.nan_to_num(report.final_time, nan=1.0) * step.mesh.grid.fractions
+    names = request.vehicle.state_names, request.vehicle.input_names
+    return Trajectory(t, np.nan_to_num(report.states), np.nan_to_num(report.inputs), *names)
 
 
 def _within_bounds(states: NDArray[np.float64], request: Request) -> NDArray[np.float64]:

@@ -52,7 +52,7 @@ def next_step(request: Request, rounds: Sequence[Round], guess: Trajectory) -> S
     room = Room.of_replay(last.replay, request.scenario, request.vehicle)
     if room.deepest < -HOPELESS and _failures(rounds, "guess") == 0:
         return _from_guess(request, last.mesh.grid.steps, guess, "the knots jump over an obstacle")
-    return _between_the_knots(request, last, last.replay, room)
+    return between_the_knots(request, last, last.replay, room)
 
 
 def at_knots(formulation: Formulation) -> Formulation:
@@ -72,11 +72,15 @@ def _uniform(request: Request, formulation: Formulation, guess: Trajectory, step
     poses = (poses_for(formulation, guess, request.vehicle, steps),) * steps
     small = room.obstacles.size <= FEW_PAIRS and formulation.holds == "knots"
     active = room.obstacles < (np.inf if small else REACH)
-    return Mesh(formulation, grid, poses, EXTRA, _with_neighbours(active), _with_neighbours(room.walls < REACH))
+    return Mesh(formulation, grid, poses, EXTRA, _with_neighbours(active), np.ones_like(room.walls, bool))
 
 
-def _between_the_knots(request: Request, last: Round, motion: Replay, room: Room) -> Step:
-    """From a solution that is free at the knots to the demanded member, on a mesh that is finer where it is near."""
+def between_the_knots(request: Request, last: Round, motion: Replay, room: Room) -> Step:
+    """From a solution that is free at the knots to the demanded member, on a mesh that is finer where it is near.
+
+    Intervals with less than ``NEAR`` to spare are halved, those too near by more than ``DEEP`` quartered. Pairs within
+    reach of the motion are in the problem, the more the further it has to move.
+    """
     spare = room.spare(request.margin)
     reach = min(REACH, 1.0 + 3 * max(0.0, -room.deepest))
     pieces = np.where(spare < -DEEP, 4, np.where(spare < NEAR, 2, 1))
@@ -86,7 +90,6 @@ def _between_the_knots(request: Request, last: Round, motion: Replay, room: Room
         last.mesh,
         formulation=request.formulation,
         active=_with_neighbours(room.obstacles < reach),
-        walls=_with_neighbours(room.walls < reach),
     ).cut(pieces)
     start = on_grid(motion, mesh.grid)
     poses = poses_on(request.formulation, covers_of(start, request.vehicle), np.repeat(spare, pieces))
@@ -142,11 +145,7 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
     short = np.asarray(too_near, bool)
     if any(check.name not in ABOUT_CLEARANCE for check in certificate.failed):
         short[:] = True
-    near = replace(
-        mesh,
-        active=mesh.active | _with_neighbours(clear < REACH),
-        walls=mesh.walls | _with_neighbours(room.walls < REACH),
-    )
+    near = replace(mesh, active=mesh.active | _with_neighbours(clear < REACH))
     finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
     if number <= 3 and finer.grid.steps > mesh.grid.steps:
         return finer

@@ -4,11 +4,17 @@ from tightspot.solvers.base import Iteration, IterationCallback, Solver, SolveRe
 from tightspot.solvers.ipopt import Ipopt
 from tightspot.solvers.nlp import Nlp, RowBlock, Stage
 from tightspot.solvers.sqp import Sqp
+from tightspot.solvers.stage_problem import StageProblem
+from tightspot.solvers.stagewise import StagePoint, StageReport, Stagewise
 
 SOLVERS: dict[str, type[Solver]] = {Ipopt.name: Ipopt, Sqp.name: Sqp}
-"""Backends by the name used at the edges (command line, files)."""
+"""Backends that solve any :class:`Nlp`, by the name used at the edges (command line, files)."""
+
+BACKENDS: dict[str, type[Solver]] = {Stagewise.name: Stagewise, **SOLVERS}
+"""All backends by name; the stagewise one takes a :class:`StageProblem`."""
 
 __all__ = [
+    "BACKENDS",
     "SOLVERS",
     "Ipopt",
     "Iteration",
@@ -20,5 +26,9 @@ __all__ = [
     "Solver",
     "Sqp",
     "Stage",
+    "StagePoint",
+    "StageProblem",
+    "StageReport",
+    "Stagewise",
     "WarmStart",
 ]

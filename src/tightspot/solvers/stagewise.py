@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tightspot.errors import BuildError, InputError, Problem
 from tightspot.solvers.base import (
@@ -71,6 +72,8 @@ class StageReport(SolveReport):
         states: (N + 1, n_x).
         inputs: (N, n_u).
         final_time: s.
+        pairs: (interval, part, obstacle part) of each pair, (n, 3).
+        lines: (phi, mu) of each pair, (n, 2).
         log: One line an iteration, columns :data:`LOG_COLUMNS`.
     """
 
@@ -78,6 +81,8 @@ class StageReport(SolveReport):
     states: Array | None = None
     inputs: Array | None = None
     final_time: float = np.nan
+    pairs: NDArray[np.int64] | None = None
+    lines: Array | None = None
     log: Array | None = None
 
 
@@ -180,7 +185,7 @@ class Stagewise(Solver):
     def _report(self, problem: StageProblem, answer: dict[str, Any], timings: dict[str, float]) -> StageReport:
         core = CorePoint(*(answer[name] for name in CorePoint._fields))
         point = StagePoint(**{name: answer[name] for name in ("v", "s", "z", "zb", "lam", "nu")})
-        states, inputs, final_time, _ = problem.unpack(core.v)
+        states, inputs, final_time, lines = problem.unpack(core.v)
         worst, violation = _violation(problem, core, states, inputs, final_time)
         status = _STATUS[answer["status"]]
         if status.success and not violation <= 100 * self.tolerance:
@@ -205,6 +210,8 @@ class Stagewise(Solver):
             states=states,
             inputs=inputs,
             final_time=final_time,
+            pairs=problem.pairs,
+            lines=lines,
             log=answer["log"],
         )
 

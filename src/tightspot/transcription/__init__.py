@@ -1,11 +1,12 @@
 """Transcription: from scenario, vehicle, guess and formulation to a nonlinear program and back."""
 
-from tightspot.transcription.carry_over import carry_over, parents
 from tightspot.transcription.counts import Counts, counts
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.objective import EnergyForm, Objective
 from tightspot.transcription.sampling import resample
+from tightspot.transcription.stage_problem import fits_stages, stage_problem
 from tightspot.transcription.transcribe import Settings, Transcription, transcribe
+from tightspot.transcription.transfer import carry_lines, carry_over, parents
 
 __all__ = [
     "Counts",
@@ -14,9 +15,12 @@ __all__ = [
     "Settings",
     "TimeGrid",
     "Transcription",
+    "carry_lines",
     "carry_over",
     "counts",
+    "fits_stages",
     "parents",
     "resample",
+    "stage_problem",
     "transcribe",
 ]

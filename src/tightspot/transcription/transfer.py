@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from tightspot.solvers.base import SolveReport, WarmStart
 from tightspot.solvers.nlp import Nlp, RowBlock
+from tightspot.solvers.stage_problem import StageProblem
+from tightspot.solvers.stagewise import StageReport
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.transcribe import Transcription
 
@@ -46,6 +48,25 @@ def carry_over(old: Transcription, report: SolveReport, new: Transcription) -> W
     _bounds(old, report, new, parent, share, lam_x)
     _rows(old.nlp, report, new.nlp, parent, share, lam_g)
     return WarmStart(x, lam_x, lam_g, push=PUSH)
+
+
+def carry_lines(grid: TimeGrid, report: StageReport, problem: StageProblem) -> StageProblem:
+    """The problem with the lines of an earlier solve on another mesh, where the pair had one.
+
+    Args:
+        grid: Of the earlier solve.
+        report: Of the earlier solve.
+        problem: The new one, with closed-form lines.
+    """
+    if report.lines is None or report.pairs is None:
+        return problem
+    parent = parents(grid, TimeGrid(np.concatenate([[0.0], np.cumsum(problem.widths)[:-1], [1.0]])))
+    old = {(int(k), int(part), int(obstacle)): i for i, (k, part, obstacle) in enumerate(report.pairs)}
+    source = [old.get((int(parent[k]), int(part), int(obstacle)), -1) for k, part, obstacle in problem.pairs]
+    found = np.array(source, dtype=np.intp)
+    lines = problem.lines.copy()
+    lines[found >= 0] = report.lines[found[found >= 0]]
+    return problem.replaced(lines=lines)
 
 
 def _bounds(
