@@ -72,7 +72,7 @@ def read_goal(node: Node, start: Array, offset: Array, road: Mapping[int, Lanele
     region, notes = _region(node, road)
     given = node.find("orientation")
     natural = float(start[2]) if region.heading is None else region.heading
-    low, high = _interval(given) if given else (natural - math.pi, natural + math.pi)
+    low, high = _interval(given, angles=True) if given else (natural - math.pi, natural + math.pi)
     half = min((high - low) / 2, math.pi)
     heading = float(wrap_angle((low + high) / 2 if half < math.pi else natural))
     if half >= math.pi:
@@ -127,9 +127,10 @@ def _lanelet(shape: Node, road: Mapping[int, Lanelet]) -> Region:
     return Region(centre, float(lanelet.outline.boundary.distance(shapely.Point(centre))), heading)
 
 
-def _interval(node: Node) -> tuple[float, float]:
+def _interval(node: Node, *, angles: bool = False) -> tuple[float, float]:
     exact = node.find("exact")
-    low, high = (exact or node.child("intervalStart")).number(), (exact or node.child("intervalEnd")).number()
+    ends = exact or node.child("intervalStart"), exact or node.child("intervalEnd")
+    low, high = (end.angle() if angles else end.number() for end in ends)
     if high < low:
         raise node.refuse(f"ends at {high:g} before it begins at {low:g}")
     return low, high

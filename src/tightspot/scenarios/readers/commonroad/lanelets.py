@@ -21,6 +21,8 @@ LANELETS: tuple[Lanelets, ...] = get_args(Lanelets)
 
 GAP = 0.02
 """Gaps between lanelets narrower than this belong to the road, m: neighbours rarely share their border exactly."""
+THINNEST = 1e-6
+"""What is beside the road but nowhere twice as wide as this is rounding, m."""
 REACH = 50.0
 """Of a road network only what is this near to start or goal is used, m."""
 
@@ -80,7 +82,8 @@ def beside_the_road(road: list[Lanelet], ends: Array) -> tuple[Array, list[tuple
     closed = area.buffer(GAP / 2, join_style="mitre").buffer(-GAP / 2, join_style="mitre")
     near = closed.intersection(reach)
     box = near.envelope if near.area > 0 else reach
-    beside = [part for part in shapely.get_parts(box.difference(near)) if part.geom_type == "Polygon"]
+    parts = shapely.get_parts(box.difference(near))
+    beside = parts[~shapely.is_empty(shapely.buffer(parts, -THINNEST))]
     bounds = np.array(box.bounds).reshape(2, 2)
     return bounds, [(_ring(part.exterior), [_ring(hole) for hole in part.interiors]) for part in beside]
 

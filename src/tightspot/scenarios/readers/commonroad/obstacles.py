@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem, SceneError
-from tightspot.scenarios.readers.commonroad.shapes import placed, point, rings
+from tightspot.scenarios.readers.commonroad.shapes import placements, point, rings
 from tightspot.scenarios.readers.commonroad.xml_tree import Node
 
 Array = NDArray[np.float64]
@@ -21,6 +21,8 @@ Moving = Literal["refuse", "initial", "ignore"]
 MOVING: tuple[Moving, ...] = get_args(Moving)
 
 _TAGS = ("staticObstacle", "dynamicObstacle", "phantomObstacle", "environmentObstacle", "obstacle")
+_IN_PLACE = ("environmentObstacle", "phantomObstacle")
+"""Their shapes are in the scenario's coordinates."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ def read_obstacles(root: Node, moving: Moving) -> tuple[list[Block], list[str], 
     """
     blocks: list[Block] = []
     movers: list[str] = []
+    doubled: list[str] = []
     problems: list[Problem] = []
     for node in root.children(*_TAGS):
         try:
@@ -63,12 +66,14 @@ def read_obstacles(root: Node, moving: Moving) -> tuple[list[Block], list[str], 
                 movers.append(node.attribute("id") or "without id")
                 if moving != "initial":
                     continue
-            blocks += _blocks(node)
+            found, twice = _blocks(node)
+            blocks += found
+            doubled += [node.attribute("id")] * twice
         except SceneError as error:
             problems += error.problems
     if movers and moving == "refuse":
         problems.insert(0, Problem("dynamicObstacle", _refusal(movers)))
-    return blocks, _notes(movers, moving), problems
+    return blocks, _notes(movers, moving, doubled), problems
 
 
 def pose_of(state: Node) -> Array:
@@ -80,25 +85,33 @@ def pose_of(state: Node) -> Array:
     position, orientation = state.child("position"), state.child("orientation")
     if position.find("point") is None:
         raise position.refuse("is a region; only a single point is read here")
-    return np.array([*point(position.child("point")), exact(orientation)])
+    return np.array([*point(position.child("point")), _exact(orientation).angle()])
 
 
 def exact(node: Node) -> float:
     """The ``exact`` value in an element; raises :class:`SceneError` if it is an interval."""
+    return _exact(node).number()
+
+
+def _exact(node: Node) -> Node:
     if node.find("exact") is None and node.find("intervalStart") is not None:
         raise node.refuse("is an interval; only an exact value is read here")
-    return node.child("exact").number()
+    return node.child("exact")
 
 
-def _blocks(node: Node) -> list[Block]:
+def _blocks(node: Node) -> tuple[list[Block], bool]:
+    """The obstacle's polygons, and whether one of them is in two places."""
     number = _number(node)
-    found = rings(node.child("shape"))
-    if node.tag != "environmentObstacle":  # whose shape is in the scenario's coordinates
+    first = node.child("occupancySet").child("occupancy") if node.tag == "phantomObstacle" else node
+    found = rings(first.child("shape"))
+    count = len(found)
+    if node.tag not in _IN_PLACE:
         pose = pose_of(node.child("initialState"))
-        found = [placed(ring, pose) for ring in found]
+        found = [place for ring in found for place in placements(ring, pose)]
     name = f"{_kind(node)}-{number}"
     names = [name] if len(found) == 1 else [f"{name}/{index}" for index in range(len(found))]
-    return [Block(name, number, ring, node.path) for name, ring in zip(names, found, strict=True)]
+    blocks = [Block(name, number, ring, node.path) for name, ring in zip(names, found, strict=True)]
+    return blocks, len(found) > count
 
 
 def _number(node: Node) -> int:
@@ -140,13 +153,17 @@ def _refusal(movers: list[str]) -> str:
     )
 
 
-def _notes(movers: list[str], moving: Moving) -> list[str]:
-    if not movers or moving == "refuse":
-        return []
-    done = "read as standing where they begin" if moving == "initial" else "left out"
-    return [f"{_these(movers)} moving in the file and {done}: a plan is certified for that only."]
+def _notes(movers: list[str], moving: Moving, doubled: list[str]) -> list[str]:
+    notes = []
+    if movers and moving != "refuse":
+        done = "read as standing where they begin" if moving == "initial" else "left out"
+        notes.append(f"{_these(movers)} moving in the file and {done}: a plan is certified for that only.")
+    if doubled:
+        why = "turned with a shape off its centre, which CommonRoad's programs place differently: both places are taken"
+        notes.append(f"{_these(doubled)} {why}.")
+    return notes
 
 
-def _these(movers: list[str]) -> str:
-    some = ", ".join(movers[:5]) + (", …" if len(movers) > 5 else "")
-    return f"{len(movers)} obstacle{'s are' if len(movers) > 1 else ' is'} ({some})"
+def _these(numbers: list[str]) -> str:
+    some = ", ".join(numbers[:5]) + (", …" if len(numbers) > 5 else "")
+    return f"{len(numbers)} obstacle{'s are' if len(numbers) > 1 else ' is'} ({some})"

@@ -109,8 +109,8 @@ def read_commonroad(
     origin = Origin(root.attribute("benchmarkID")[:200] or path.stem[:200], mission.number, dt)
     data: dict[str, Any] = {"name": origin.benchmark, "source": str(origin), "description": " ".join(notes)}
     data |= remainder.plain_fields(known) | {"vehicle": described} | mission.fields
+    workspace, blocks = remainder.confirmed_workspace(known, root, blocks)
     obstacles, paths = remainder.obstacles(known, blocks)
-    workspace = remainder.confirmed_workspace(known, root)
     if workspace is not None:
         data["workspace"] = workspace
     elif lanelets == "boundary":

@@ -12,10 +12,14 @@ from typing import Any
 
 import numpy as np
 import shapely
+import shapely.affinity
 from numpy.typing import NDArray
 
+from tightspot.errors import GeometryError, SceneError
 from tightspot.safe_yaml import UnreadableError, load_json
+from tightspot.scenarios.obstacle import Obstacle
 from tightspot.scenarios.readers.commonroad import elements
+from tightspot.scenarios.readers.commonroad.lanelets import read_lanelet
 from tightspot.scenarios.readers.commonroad.obstacles import Block
 from tightspot.scenarios.readers.commonroad.xml_tree import Node
 
@@ -23,6 +27,9 @@ Array = NDArray[np.float64]
 
 KEY = "tightspot-commonroad/1"
 _SAME_AREA = 1e-9
+"""Areas that differ by less than this share of them are the same."""
+_UNUSABLE = (KeyError, TypeError, ValueError, IndexError, ArithmeticError, shapely.errors.GEOSException)
+"""What a comment that somebody has changed may lead to."""
 _PLAIN = ("name", "description", "source", "vehicle", "margin")
 
 
@@ -58,22 +65,31 @@ def confirmed_state(data: Mapping[str, Any], key: str, found: Node, offset: Arra
             written = elements.initial_state(data["start"], offset)
         else:
             written = elements.goal_state(data["goal"], data["tolerance"], offset)
-    except (KeyError, TypeError, ValueError, ArithmeticError):
+    except _UNUSABLE:
         return None
     return dict(data[key]) if elements.same(written, found.element) else None
 
 
-def confirmed_workspace(data: Mapping[str, Any], root: Node) -> list[Any] | None:
-    """The comment's workspace if the file's first lanelet still is it; otherwise ``None``."""
-    found = root.find("lanelet")
-    corners = data.get("workspace")
-    if found is None or not isinstance(corners, list):
-        return None
+def confirmed_workspace(data: Mapping[str, Any], root: Node, blocks: Sequence[Block]) -> tuple[Any | None, list[Block]]:
+    """The comment's workspace if the file still says the same, and the obstacles that are not part of it.
+
+    The file says it if the first lanelet without the obstacles that the comment calls walls covers just the same area.
+    """
+    found, workspace = root.find("lanelet"), data.get("workspace")
+    if found is None or workspace is None:
+        return None, list(blocks)
+    numbers = _numbers(data, "walls")
+    walls = [block for block in blocks if block.number in numbers]
     try:
-        written = elements.road(corners, int(found.attribute("id")))
-    except (TypeError, ValueError, IndexError, ArithmeticError):
-        return None
-    return corners if elements.same(written, found.element) else None
+        road = read_lanelet(found)
+        origin = road.right[0]
+        rings = [workspace["vertices"], *workspace.get("holes", [])] if isinstance(workspace, dict) else [workspace]
+        exterior, *holes = (np.array(ring, float) - origin for ring in rings)
+        left = shapely.affinity.translate(road.outline, *-origin).difference(_together(walls, origin))
+        same = _same_area(shapely.Polygon(exterior, holes), left)
+    except (*_UNUSABLE, SceneError):
+        return None, list(blocks)
+    return (workspace, [block for block in blocks if block not in walls]) if same else (None, list(blocks))
 
 
 def obstacles(data: Mapping[str, Any], blocks: Sequence[Block]) -> tuple[list[dict[str, Any]], list[str]]:
@@ -89,7 +105,7 @@ def obstacles(data: Mapping[str, Any], blocks: Sequence[Block]) -> tuple[list[di
     paths: list[str] = []
     entries = data.get("obstacles")
     for entry in entries if isinstance(entries, list) else []:
-        numbers = _numbers(entry)
+        numbers = _numbers(entry, "ids")
         pieces = [piece for number in numbers for piece in by_number.get(number, [])]
         whole = _whole(entry, pieces)
         if whole is not None:
@@ -103,8 +119,8 @@ def obstacles(data: Mapping[str, Any], blocks: Sequence[Block]) -> tuple[list[di
     return found, paths
 
 
-def _numbers(entry: Any) -> list[int]:
-    numbers = entry.get("ids") if isinstance(entry, dict) else None
+def _numbers(entry: Any, key: str) -> list[int]:
+    numbers = entry.get(key) if isinstance(entry, dict) else None
     return [number for number in numbers if isinstance(number, int)] if isinstance(numbers, list) else []
 
 
@@ -114,16 +130,19 @@ def _whole(entry: Any, pieces: Sequence[Block]) -> dict[str, Any] | None:
         return None
     if "vertices" not in entry:
         return {"name": entry["name"], "vertices": pieces[0].ring.tolist()} if len(pieces) == 1 else None
-    holes = entry.get("holes", [])
     try:
         origin = pieces[0].ring[0]
-        polygon = shapely.Polygon(
-            np.array(entry["vertices"], float) - origin, [np.array(hole, float) - origin for hole in holes]
-        )
-        together = shapely.union_all([shapely.Polygon(piece.ring - origin) for piece in pieces])
-        apart = shapely.symmetric_difference(polygon, together).area
-    except (TypeError, ValueError, shapely.errors.GEOSException):
+        exterior, *holes = (np.array(ring, float) - origin for ring in (entry["vertices"], *entry.get("holes", [])))
+        solid = shapely.union_all(Obstacle("", exterior, tuple(holes)).polygons)
+        same = _same_area(solid, _together(pieces, origin))
+    except (*_UNUSABLE, GeometryError):
         return None
-    if not apart <= _SAME_AREA * polygon.area:
-        return None
-    return {key: entry[key] for key in ("name", "vertices", "holes") if key in entry}
+    return {key: entry[key] for key in ("name", "vertices", "holes") if key in entry} if same else None
+
+
+def _together(blocks: Sequence[Block], origin: Array) -> shapely.Geometry:
+    return shapely.union_all([shapely.Polygon(block.ring - origin) for block in blocks])
+
+
+def _same_area(one: shapely.Geometry, other: shapely.Geometry) -> bool:
+    return bool(shapely.symmetric_difference(one, other).area <= _SAME_AREA * one.area)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from tightspot.errors import SceneError
@@ -18,6 +19,8 @@ CIRCLE_TOLERANCE = 0.01
 """A circle becomes a regular polygon around it whose corners are at most this far outside, m."""
 MOST_CORNERS = 128
 """... or, if that would take more corners than this, with so many (from a radius of about 33 m on)."""
+SAME_PLACE = 1e-6
+"""Corners nearer than this are the same, m."""
 _DEEPEST_GROUP = 10
 
 KINDS = ("rectangle", "circle", "polygon", "shapeGroup", "absoluteShapeGroup")
@@ -40,6 +43,20 @@ def placed(ring: Array, pose: Array) -> Array:
     return ring if not pose.any() else transform(ring, pose)
 
 
+def placements(ring: Array, pose: Array) -> list[Array]:
+    """Where an obstacle's shape is at a pose: once, or twice if CommonRoad's own programs disagree.
+
+    A shape that is not centred on its origin is turned about the origin by commonroad-io from 2026.1 on, but about its
+    own centroid up to 2024.3, on which the drivability checker builds.
+    """
+    about_origin = placed(ring, pose)
+    centre = shapely.get_coordinates(shapely.Polygon(ring).centroid)[0]
+    about_centre = placed(ring - centre, np.array([*(centre + pose[:2]), pose[2]]))
+    if not pose[2] or np.abs(about_origin - about_centre).max() < SAME_PLACE:
+        return [about_origin]
+    return [about_origin, about_centre]
+
+
 def circle_around(centre: Array, radius: float, tolerance: float = CIRCLE_TOLERANCE) -> Array:
     """A regular polygon that contains the circle: its edges touch it, its corners are ``radius / cos(pi / n)`` out.
 
@@ -57,9 +74,10 @@ def circle_around(centre: Array, radius: float, tolerance: float = CIRCLE_TOLERA
 def rectangle(node: Node) -> tuple[Array, float]:
     """A rectangle's corners, counter-clockwise from its rear right, m, (4, 2), and its orientation, rad."""
     half_length, half_width = (node.child(name).positive() / 2 for name in ("length", "width"))
-    orientation = _optional(node, "orientation")
+    turned, shifted = node.find("orientation"), node.find("originXShift")
+    orientation = turned.angle() if turned else 0.0
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_length, half_width]
-    corners[:, 0] -= _optional(node, "originXShift")
+    corners[:, 0] -= shifted.number() if shifted else 0.0
     return placed(corners, np.array([*centre_of(node), orientation])), orientation
 
 
@@ -82,11 +100,6 @@ def centre_of(node: Node) -> Array:
     """The ``center`` of a shape, m, (2,); the origin if it is not given."""
     centre = node.find("center")
     return np.array(point(centre)) if centre else np.zeros(2)
-
-
-def _optional(node: Node, name: str) -> float:
-    found = node.find(name)
-    return found.number() if found else 0.0
 
 
 def _parts(shape: Node, depth: int) -> Iterator[Node]:

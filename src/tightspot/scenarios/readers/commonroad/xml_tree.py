@@ -21,8 +21,9 @@ MAX_TAGS = 800_000
 """Opening and closing ones; 50,000 vertices need 300,000."""
 MAX_ATTRIBUTES = 200_000
 
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,4})?")
-_INTEGER = re.compile(r"[-+]?\d{1,18}")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,4})?", re.ASCII)
+_INTEGER = re.compile(r"[-+]?\d{1,18}", re.ASCII)
+_MOST_TURNS = 2
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,14 @@ class Node:
         value = self.number()
         if not value > 0:
             raise self.refuse(f"{value:g} must be more than 0")
+        return value
+
+    def angle(self) -> float:
+        """The text as an angle, rad; raises :class:`SceneError` beyond two turns, which looks like degrees."""
+        value = self.number()
+        if abs(value) > _MOST_TURNS * 2 * math.pi:
+            advice = f": {value:g} deg = {math.radians(value):.6g} rad" if abs(value) < 1000 else ""
+            raise self.refuse(f"{value:g} rad is more than two turns; angles are in radians{advice}")
         return value
 
     def integer(self) -> int:
