@@ -17,12 +17,13 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from benchmarks.plan_scenes import RESULTS, machine
 from tightspot.formulations import SeparatingLine
-from tightspot.planner.pairs import Room
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Mesh, Round, Step, run_round
-from tightspot.planner.strategy import between_the_knots, first_step
+from tightspot.planner.strategy import first_step, next_step
 from tightspot.trajectory import Trajectory
 
 SCENES = ("oblique", "vertical", "parallel")
@@ -69,13 +70,18 @@ def measure(scene: str, margin: float, runs: int) -> list[Row]:
     first = _run(request, first_step(request, guess))
     if first.replay is None:
         raise RuntimeError(f"{scene} is not solved at the knots")
-    room = Room.of_replay(first.replay, request.scenario, request.vehicle)
-    planned = between_the_knots(request, first, first.replay, room)
-    mesh = planned.mesh
+    planned = next_step(request, [first], guess)
+    if planned is not None and planned.kind == "again":
+        planned = next_step(request, [first, _run(request, planned)], guess)
+    if planned is None or planned.kind != "between":
+        raise RuntimeError(f"{scene} is not planned in the usual course")
+    mesh = replace(planned.mesh, active=np.ones_like(planned.mesh.active), walls=np.ones_like(planned.mesh.walls))
     knots = replace(mesh, formulation=SeparatingLine(), poses=(1,) * mesh.grid.steps)
     methods = {
-        "(17) at the knots": _cold(knots, guess),
-        "swept line": _cold(mesh, guess),
+        "(17) at the knots": replace(planned, mesh=knots, before=None),
+        "swept line": replace(planned, mesh=mesh, before=None),
+        "(17) from the guess": _cold(knots, guess),
+        "swept from the guess": _cold(mesh, guess),
         "swept line, in the plan": planned,
     }
     rounds: dict[str, list[Round]] = {method: [] for method in methods}

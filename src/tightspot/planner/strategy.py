@@ -23,9 +23,10 @@ from tightspot.transcription import TimeGrid, resample
 from tightspot.verification import Certificate
 from tightspot.verification.replay import Replay
 
-REACH = 2.0
+REACH, WALL_REACH = 2.0, 4.0
 FEW_PAIRS = 100
 NEAR, DEEP, HOPELESS = 0.15, 0.1, 0.6
+AGAIN = 1
 EXTRA = 0.002
 LARGEST_EXTRA = 0.1
 MOST_STEPS = 240
@@ -51,7 +52,9 @@ def next_step(request: Request, rounds: Sequence[Round], guess: Trajectory) -> S
         return Step(mesh, on_grid(last.replay, mesh.grid), "refine", news, last)
     room = Room.of_replay(last.replay, request.scenario, request.vehicle)
     if room.deepest < -HOPELESS and _failures(rounds, "guess") == 0:
-        return _from_guess(request, last.mesh.grid.steps, guess, "the knots jump over an obstacle")
+        return _from_guess(request, rounds[0].mesh.grid.steps, guess, "the knots jump over an obstacle")
+    if room.spare(request.margin).min() < -DEEP and sum(outcome.step.kind == "again" for outcome in rounds) < AGAIN:
+        return _again(request, last, last.replay, room)
     return between_the_knots(request, last, last.replay, room)
 
 
@@ -83,13 +86,12 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
     """
     spare = room.spare(request.margin)
     reach = min(REACH, 1.0 + 3 * max(0.0, -room.deepest))
-    pieces = np.where(spare < -DEEP, 4, np.where(spare < NEAR, 2, 1))
-    if pieces.sum() > MOST_STEPS:
-        pieces = np.ones_like(pieces)
+    pieces = _pieces(spare)
     mesh = replace(
         last.mesh,
         formulation=request.formulation,
         active=_with_neighbours(room.obstacles < reach),
+        walls=_with_neighbours(room.walls < WALL_REACH),
     ).cut(pieces)
     start = on_grid(motion, mesh.grid)
     poses = poses_on(request.formulation, covers_of(start, request.vehicle), np.repeat(spare, pieces))
@@ -100,6 +102,20 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
         f"free at the knots; now between them, too, with {mesh.grid.steps} intervals",
         last,
     )
+
+
+def _again(request: Request, last: Round, motion: Replay, room: Room) -> Step:
+    """Once more at the knots, on a mesh that is finer where the motion collides: cheap, and a better start."""
+    near = replace(last.mesh, active=last.mesh.active | _with_neighbours(room.obstacles < REACH))
+    mesh = near.cut(_pieces(room.spare(request.margin)))
+    news = f"collides between the knots; {mesh.grid.steps} intervals"
+    return Step(mesh, on_grid(motion, mesh.grid), "again", news, last)
+
+
+def _pieces(spare: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Into how many pieces each interval is cut."""
+    pieces = np.where(spare < -DEEP, 4, np.where(spare < NEAR, 2, 1))
+    return pieces if pieces.sum() <= MOST_STEPS else np.ones_like(pieces)
 
 
 def _from_guess(request: Request, steps: int, guess: Trajectory, why: str) -> Step:
@@ -145,7 +161,11 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
     short = np.asarray(too_near, bool)
     if any(check.name not in ABOUT_CLEARANCE for check in certificate.failed):
         short[:] = True
-    near = replace(mesh, active=mesh.active | _with_neighbours(clear < REACH))
+    near = replace(
+        mesh,
+        active=mesh.active | _with_neighbours(clear < REACH),
+        walls=mesh.walls | _with_neighbours(room.walls < WALL_REACH),
+    )
     finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
     if number <= 3 and finer.grid.steps > mesh.grid.steps:
         return finer

@@ -12,7 +12,7 @@ from tightspot.errors import Problem, VehicleError
 from tightspot.geometry.polygon import ConvexPolygon
 from tightspot.vehicles.base import Array, BodyPart, MathNamespace, MotionBounds, VehicleModel
 
-_SMOOTH_ACCELERATION, _SMOOTH_RATE, _SMOOTH_SPEED, _SMOOTH_STEERING = 0.02, 0.01, 0.02, 0.02
+_SMOOTH_ACCELERATION, _SMOOTH_RATE, _SMOOTH_SPEED, _SMOOTH_STEERING = 0.1, 0.05, 0.1, 0.1
 
 
 @dataclass(frozen=True)

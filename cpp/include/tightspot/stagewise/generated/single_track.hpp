@@ -1251,19 +1251,19 @@ struct SingleTrack {
     // The cover of an interval of h seconds with middle state x. Derivatives: with respect to (x, h, u).
     static inline void cover(const double* x, double h, const double* u, const double* p, double rho, double poses, double* value) {
         const double a1 = u[0] * u[0];
-        const double a3 = a1 + 0.0004;
+        const double a3 = a1 + 0.010000000000000002;
         const double a5 = x[3] * x[3];
-        const double a6 = 0.0004 + a5;
+        const double a6 = 0.010000000000000002 + a5;
         const double a7 = std::sqrt(a6);
         const double a8 = std::sqrt(a3);
         const double a12 = h * 0.5;
         const double a13 = a8 * a12;
         const double a14 = a7 + a13;
         const double a16 = x[4] * x[4];
-        const double a17 = 0.0004 + a16;
+        const double a17 = 0.010000000000000002 + a16;
         const double a18 = std::sqrt(a17);
         const double a20 = u[1] * u[1];
-        const double a22 = a20 + 0.0001;
+        const double a22 = a20 + 0.0025000000000000005;
         const double a23 = std::sqrt(a22);
         const double a24 = a12 * a23;
         const double a25 = a18 + a24;
@@ -1298,19 +1298,19 @@ struct SingleTrack {
 
     static inline void cover_derivatives(const double* x, double h, const double* u, const double* p, double rho, double poses, double* gradient, double* H) {
         const double a1 = u[0] * u[0];
-        const double a3 = a1 + 0.0004;
+        const double a3 = a1 + 0.010000000000000002;
         const double a5 = x[3] * x[3];
-        const double a6 = 0.0004 + a5;
+        const double a6 = 0.010000000000000002 + a5;
         const double a7 = std::sqrt(a6);
         const double a8 = std::sqrt(a3);
         const double a12 = h * 0.5;
         const double a13 = a8 * a12;
         const double a14 = a7 + a13;
         const double a16 = x[4] * x[4];
-        const double a17 = 0.0004 + a16;
+        const double a17 = 0.010000000000000002 + a16;
         const double a18 = std::sqrt(a17);
         const double a20 = u[1] * u[1];
-        const double a22 = a20 + 0.0001;
+        const double a22 = a20 + 0.0025000000000000005;
         const double a23 = std::sqrt(a22);
         const double a24 = a12 * a23;
         const double a25 = a18 + a24;
