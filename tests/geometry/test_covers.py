@@ -18,7 +18,9 @@ def union(parts):
 
 
 def merged(parts, tolerance=TOLERANCE):
-    result = covers.merged(parts, union(parts), tolerance)
+    found = covers.merged(parts, union(parts), tolerance)
+    assert sorted(i for item in found for i in item.indices) == list(range(len(parts)))
+    result = [item.polygon for item in found]
     assert union(parts).difference(union(result)).area == 0
     assert union(parts).buffer(tolerance + 1e-9).covers(union(result))
     return result

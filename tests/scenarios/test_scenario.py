@@ -37,6 +37,25 @@ def test_far_scenes_are_recentred_and_put_back(scene, far):
         assert sum(p.area for p in ours.parts) == pytest.approx(sum(p.area for p in theirs.parts))
 
 
+@pytest.mark.parametrize("start", [(4484378811.3, -354286007.7), (18000.11, 0.3), (1e9 + 0.1, -1e9 - 0.3)])
+def test_a_far_scene_is_written_back_bit_for_bit(scene, start):
+    x, y = start
+    scene["start"] |= {"x": x, "y": y}
+    left = x - 18000.1 if x < 1e5 else x - 50.1
+    scene["goal"] |= {"x": left, "y": y + 1 / 3}
+    scene["workspace"] = [[x - 9, y - 9], [x + 30.1, y - 9.3], [x + 30.7, y + 0.1], [left, y + 20]][::-1]
+    scene["obstacles"] = [{"vertices": [[left, y], [x + 1 / 7, y - 0.1], [x, y + 1 / 3]]}]
+    first = Scenario.from_dict(scene)
+    assert first.offset.any()
+    data = first.to_dict()
+    assert data["obstacles"][0]["vertices"] == scene["obstacles"][0]["vertices"]
+    assert {tuple(p) for p in data["workspace"]} == {tuple(p) for p in scene["workspace"]}
+    assert (data["start"]["x"], data["goal"]["x"], data["goal"]["y"]) == (x, left, y + 1 / 3)
+    assert Scenario.from_dict(data).to_dict() == data
+    moved = first.with_(goal=first.goal + np.array([1, 0, 0, 0, 0]))
+    assert moved.to_dict()["goal"]["x"] == pytest.approx(left + 1, abs=1e-6)
+
+
 def test_near_scenes_stay_where_they_are(scene):
     scene["start"]["x"] = 9_000
     scenario = Scenario.from_dict(scene)

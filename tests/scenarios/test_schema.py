@@ -68,7 +68,15 @@ BAD = [
     (("workspace",), [[0, 0], [1, 0]], "workspace", "three"),
     (("workspace",), [[0, 0], [1, "b"], [1, 1]], "workspace[1]", "'b'"),
     (("workspace",), BOW_TIE, "workspace", "crosses"),
-    (("workspace",), [[0, 0], [9, 0], [9, 9], [4, 1]], "workspace[3]", "convex hull"),
+    (("workspace",), [[0, 0], [2, 0], [2, 2], [4, 2], [4, 4], [2, 4], [2, 2], [0, 2]], "workspace", "touches itself"),
+    (
+        ("workspace",),
+        {"vertices": [[0, 0], [9, 0], [9, 9]], "holes": [[[1, 8], [2, 8], [2, 9]]]},
+        "workspace.holes[0]",
+        "outside the exterior",
+    ),
+    (("workspace",), {"vertices": [[0, 0], [9, 0]]}, "workspace", "three"),
+    (("workspace",), {"vertices": [[0, 0], [9, 0], [9, 9]], "hols": []}, "workspace.hols", "did you mean 'holes'"),
     (("format",), "tightspot-scene/2", "format", "not known to this version"),
     (("name",), 5, "name", "must be text"),
     (("name",), "x" * 300, "name", "too long"),
@@ -203,8 +211,8 @@ def test_numbers_without_a_point_before_the_exponent_are_numbers(scene):
 
 def test_equal_names_are_made_different(scene):
     names = ["wall", "wall", None, "wall", "wall-2"]
-    ring = [[0, 5], [1, 5], [1, 6]]
-    scene["obstacles"] = [{"name": name, "vertices": ring} for name in names]
+    rings = [[[x, 5], [x + 1, 5], [x + 1, 6]] for x in range(0, 10, 2)]
+    scene["obstacles"] = [{"name": name, "vertices": ring} for name, ring in zip(names, rings, strict=True)]
     scenario = Scenario.from_dict(scene)
     assert [o.name for o in scenario.obstacles] == ["wall", "wall-2", "obstacle-2", "wall-3", "wall-2-2"]
     assert len({name for name, _ in scenario.obstacle_parts}) == 5

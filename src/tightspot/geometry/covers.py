@@ -10,18 +10,36 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from tightspot.errors import GeometryError
 from tightspot.geometry.polygon import ConvexPolygon
 
 Array = NDArray[np.float64]
 
 
+class Merged(NamedTuple):
+    """A convex part in the place of others.
+
+    Attributes:
+        polygon: Contains the others.
+        indices: Which ones, by their place in the list that was merged.
+    """
+
+    polygon: ConvexPolygon
+    indices: tuple[int, ...]
+
+
 def hull(points: Array) -> ConvexPolygon:
-    """The convex hull of points (n, 2) m that are not all on one line; no point lies outside but by rounding."""
+    """The convex hull of points (n, 2) m; no point lies outside but by rounding.
+
+    Raises:
+        GeometryError: It is no wider than rounding.
+    """
     ring = shapely.get_coordinates(shapely.MultiPoint(points).convex_hull)
     return containing(ConvexPolygon.from_vertices(ring), points)
 
@@ -41,15 +59,25 @@ def reaching(parts: Sequence[ConvexPolygon], points: Array) -> list[ConvexPolygo
     A decomposition leaves out vertices that are on a line with their neighbours but for rounding; this takes
     them in again. The part to which a point is nearest is widened.
     """
-    beyond = np.stack([(points @ part.A.T - part.b).max(axis=1) for part in parts])
-    nearest = beyond.argmin(axis=0)
-    return [containing(part, points[nearest == i]) if (nearest == i).any() else part for i, part in enumerate(parts)]
+    corners = {corner for part in parts for corner in map(tuple, part.vertices.tolist())}
+    missing = np.array([point for point in points.tolist() if tuple(point) not in corners]).reshape(-1, 2)
+    nearest = np.array([_nearest(parts, point) for point in missing], dtype=np.intp)
+    widened = list(parts)
+    for i in np.unique(nearest):
+        widened[i] = containing(parts[i], missing[nearest == i])
+    return widened
+
+
+def _nearest(parts: Sequence[ConvexPolygon], point: Array) -> int:
+    """The part outside of which the point lies least."""
+    return int(np.argmin([(part.A @ point - part.b).max() for part in parts]))
 
 
 def simplified(polygon: ConvexPolygon, tolerance: float) -> ConvexPolygon:
     """The polygon without edges that can be left out by extending their neighbours by at most ``tolerance`` m.
 
-    The result contains the polygon and reaches out of it by no more than that.
+    The result contains the polygon and reaches out of it by no more than that; it is the polygon itself if none is
+    left out.
     """
     V = polygon.vertices
     shape = polygon.to_shapely()
@@ -62,7 +90,12 @@ def simplified(polygon: ConvexPolygon, tolerance: float) -> ConvexPolygon:
                 break
         else:
             break
-    return polygon if V is polygon.vertices else hull(np.concatenate([V, polygon.vertices]))
+    if V is polygon.vertices:
+        return polygon
+    try:
+        return hull(np.concatenate([V, polygon.vertices]))
+    except GeometryError:
+        return polygon
 
 
 def _corners(V: Array) -> tuple[Array, Array]:
@@ -77,8 +110,8 @@ def _corners(V: Array) -> tuple[Array, Array]:
     return corner, np.where((turn > 0) & (s > 0), height, np.inf)
 
 
-def merged(parts: Sequence[ConvexPolygon], region: shapely.Geometry, tolerance: float) -> list[ConvexPolygon]:
-    """Fewer convex parts that cover the same parts.
+def merged(parts: Sequence[ConvexPolygon], region: shapely.Geometry, tolerance: float) -> list[Merged]:
+    """Fewer convex parts that cover the same parts; those that stay come first, in their order.
 
     Args:
         parts: What must stay covered.
@@ -88,35 +121,61 @@ def merged(parts: Sequence[ConvexPolygon], region: shapely.Geometry, tolerance: 
     allowed = region.buffer(tolerance, quad_segs=4)
     shapely.prepare(allowed)
     alive = {i: part.to_shapely() for i, part in enumerate(parts)}
-    beside: dict[int, set[int]] = {i: set() for i in alive}
-    tree = shapely.STRtree(list(alive.values()))
-    for i, j in tree.query(list(alive.values()), predicate="dwithin", distance=2 * tolerance).T.tolist():
-        if i != j:
-            beside[i].add(j)
-    heap = [entry for i in alive for j in beside[i] if i < j for entry in _candidate(alive, i, j, allowed)]
+    # A pair that was ruled out stays so when either grows, so only what both had left is tried again.
+    hopeful: dict[int, set[int]] = {i: set() for i in alive}
+    hopeless: dict[int, set[int]] = {i: set() for i in alive}
+    shapes = list(alive.values())
+    near = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=2 * tolerance).T
+    heap = _candidates(alive, near[near[:, 0] < near[:, 1]].tolist(), allowed)
     heapq.heapify(heap)
-    union = dict(enumerate(parts))
+    for _, i, j in heap:
+        _link(hopeful, i, j)
+    for i, j in near.tolist():
+        if j not in hopeful[i]:
+            _link(hopeless, i, j)
+    union = {i: Merged(part, (i,)) for i, part in enumerate(parts)}
     while heap:
         _, i, j = heapq.heappop(heap)
         if i not in alive or j not in alive:
             continue
-        new = len(beside)
-        union[new] = hull(np.concatenate([union.pop(i).vertices, union.pop(j).vertices]))
+        try:
+            both = hull(np.concatenate([union[i].polygon.vertices, union[j].polygon.vertices]))
+        except GeometryError:  # slivers; they stay two
+            continue
+        new = len(hopeful)
+        union[new] = Merged(both, tuple(sorted(union.pop(i).indices + union.pop(j).indices)))
         del alive[i], alive[j]
-        alive[new] = union[new].to_shapely()
-        beside[new] = {k for k in beside[i] | beside[j] if k in alive}
-        for k in beside[new]:
-            beside[k].add(new)
-            for entry in _candidate(alive, k, new, allowed):
-                heapq.heappush(heap, entry)
+        alive[new] = both.to_shapely()
+        ruled_out = hopeless[i] | hopeless[j]
+        again = [k for k in (hopeful[i] | hopeful[j]) - ruled_out if k in alive]
+        hopeful[new], hopeless[new] = set(), set()
+        found = _candidates(alive, [[k, new] for k in again], allowed)
+        for entry in found:
+            _link(hopeful, *entry[1:])
+            heapq.heappush(heap, entry)
+        for k in (ruled_out | set(again)) - hopeful[new] - {i, j}:
+            _link(hopeless, k, new)
     return list(union.values())
 
 
-def _candidate(
-    alive: dict[int, shapely.Polygon], i: int, j: int, allowed: shapely.Geometry
+def _link(pairs: dict[int, set[int]], i: int, j: int) -> None:
+    pairs[i].add(j)
+    pairs[j].add(i)
+
+
+def _candidates(
+    alive: dict[int, shapely.Polygon], pairs: list[list[int]], allowed: shapely.Geometry
 ) -> list[tuple[float, int, int]]:
-    """The pair with the area that its hull adds, as a list; empty if the hull reaches out too far."""
-    both = shapely.GeometryCollection([alive[i], alive[j]]).convex_hull
-    if not allowed.covers(both):
+    """Those of the pairs whose hull does not reach out too far, with the area that it adds to theirs."""
+    if not pairs:
         return []
-    return [(both.area - alive[i].area - alive[j].area, i, j)]
+    first, second = ([alive[pair[k]] for pair in pairs] for k in (0, 1))
+    hulls = shapely.convex_hull(shapely.geometrycollections(np.stack([first, second], axis=1)))
+    corners, owner = shapely.get_coordinates(hulls, return_index=True)
+    same = owner[1:] == owner[:-1]
+    middles = 0.5 * (corners[1:] + corners[:-1])[same]
+    beyond = owner[1:][same][~shapely.contains_xy(allowed, *middles.T)]  # most hulls are ruled out by this alone
+    left = np.setdiff1d(np.arange(len(pairs)), beyond)
+    left = left[shapely.covers(allowed, hulls[left])]
+    added = shapely.area(hulls) - shapely.area(first) - shapely.area(second)
+    return [(float(added[n]), pairs[n][0], pairs[n][1]) for n in left.tolist()]

@@ -16,7 +16,7 @@ from tightspot.geometry.solids import solid_polygons
 
 Array = NDArray[np.float64]
 
-MOST_GROWTH = 1e-3
+MOST_GROWTH = 2e-4
 """A polygon whose boundary almost touches itself is grown by no more than this, m."""
 
 
@@ -25,7 +25,7 @@ def decompose(exterior: ArrayLike, holes: Sequence[ArrayLike] = (), name: str = 
 
     No vertex is invented: the parts' corners are the polygon's, so the cover is exact. (Only if parts of the
     boundary are apart by no more than rounding, the polygon is grown by what it takes to close the gap, at most
-    1e-5 of its extent and 1 mm: the cover is never too small.) A convex polygon comes back as one part. The number
+    1e-5 of its extent and 0.2 mm: the cover is never too small.) A convex polygon comes back as one part. The number
     of parts is the smallest found by a bounded search (see :mod:`tightspot.geometry.diagonals`), at most ``2 r + 1``
     for r reflex vertices.
 
@@ -69,7 +69,7 @@ def convex_parts(polygons: Sequence[shapely.Polygon], name: str = "") -> tuple[C
 
 
 def _grown(polygons: Sequence[shapely.Polygon]) -> Iterator[list[shapely.Polygon]]:
-    """The polygons grown by less and less little, at most 1 mm, so that what almost touches runs together."""
+    """The polygons grown by less and less little, at most 0.2 mm, so that what almost touches runs together."""
     extent = np.ptp(np.concatenate([shapely.get_coordinates(piece) for piece in polygons]), axis=0).max()
     for growth in extent * np.array([1e-8, 1e-7, 1e-6, 1e-5]):
         if growth <= MOST_GROWTH:

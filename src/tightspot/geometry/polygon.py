@@ -171,15 +171,25 @@ def _read_only(array: Array) -> Array:
     return array
 
 
-def _convex_ring(points: ArrayLike, path: str) -> Array:
-    ring = clean_ring(points, path)
-    arriving = ring.vertices - np.roll(ring.vertices, 1, axis=0)
+def is_convex(vertices: Array) -> bool:
+    """Whether a cleaned ring (n, 2), see :func:`tightspot.geometry.clean_ring`, is a convex polygon's."""
+    turns = _turns(vertices)
+    return bool((turns > 0).all() and turns.sum() < 3 * np.pi)
+
+
+def _turns(vertices: Array) -> Array:
+    """Angles in rad by which the boundary turns left at its vertices, shape (n,)."""
+    arriving = vertices - np.roll(vertices, 1, axis=0)
     leaving = np.roll(arriving, -1, axis=0)
     cross = arriving[:, 0] * leaving[:, 1] - arriving[:, 1] * leaving[:, 0]
-    turns = np.arctan2(cross, (arriving * leaving).sum(axis=1))
-    if (turns > 0).all() and turns.sum() < 3 * np.pi:
+    return np.asarray(np.arctan2(cross, (arriving * leaving).sum(axis=1)))
+
+
+def _convex_ring(points: ArrayLike, path: str) -> Array:
+    ring = clean_ring(points, path)
+    if is_convex(ring.vertices):
         return ring.vertices
-    raise GeometryError(_why_not_convex(ring, turns, path))
+    raise GeometryError(_why_not_convex(ring, _turns(ring.vertices), path))
 
 
 def _why_not_convex(ring: Ring, turns: Array, path: str) -> Problem:

@@ -73,7 +73,8 @@ def as_points(points: ArrayLike, path: str) -> Array:
     ]
     if problems:
         raise GeometryError(problems)
-    return array + 0.0  # turns -0.0 into 0.0, so that equal polygons have equal bytes
+    # Turns -0.0, and what is so small that its square underflows, into 0.0: equal polygons have equal bytes.
+    return np.where(np.abs(array) < 1e-150, 0.0, array)
 
 
 def clean_ring(points: ArrayLike, path: str = "vertices") -> Ring:

@@ -30,8 +30,8 @@ _ARROW = Path([(-0.5, 0.55), (0.7, 0.0), (-0.5, -0.55), (-0.2, 0.0), (-0.5, 0.55
 
 
 def obstacle_shape(obstacle: Obstacle) -> Any:
-    """The obstacle as given, with its holes, a shapely polygon."""
-    return shapely.Polygon(obstacle.exterior, obstacle.holes)
+    """The obstacle as given, with its holes: a shapely polygon, or several if it touches itself."""
+    return shapely.union_all(obstacle.polygons)
 
 
 def draw_scene(axes: Axes, scenario: Scenario, vehicle: VehicleModel | None = None) -> None:
@@ -42,7 +42,7 @@ def draw_scene(axes: Axes, scenario: Scenario, vehicle: VehicleModel | None = No
         scenario: What is drawn.
         vehicle: Whose outline stands at start and goal; without one neither is drawn.
     """
-    ground = shapely.Polygon(scenario.workspace.vertices)
+    ground = scenario.boundary.polygon if scenario.boundary else scenario.workspace.to_shapely()
     axes.add_patch(shape_patch(ground, facecolor=style.GROUND, edgecolor=style.INK, linewidth=1.1, zorder=1))
     for obstacle in scenario.obstacles:
         axes.add_patch(

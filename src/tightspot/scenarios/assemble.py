@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import GeometryError, Problem, SceneError
-from tightspot.geometry import ConvexPolygon
+from tightspot.geometry import ConvexPolygon, clean_ring, is_convex
 from tightspot.problems import prefixed, shortened
 from tightspot.scenarios import schema, states
+from tightspot.scenarios.boundary import Boundary
 from tightspot.scenarios.obstacle import Obstacle, unique_names
 from tightspot.vehicles import VehicleSpec
 
@@ -59,12 +60,13 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
     offset = recentring(ends.get("start", ends.get("goal", _any_point(fields))))
     obstacles, found = _obstacles(fields.get("obstacles", []), offset)
     problems += found
-    workspace, found = _workspace(fields.get("workspace"), offset)
+    workspace, boundary, original, found = _workspace(fields.get("workspace"), offset)
     problems += found
     if problems:
         raise SceneError(shortened(problems))
     shift = np.array([*offset, 0.0, 0.0, 0.0])
     start, goal = ends["start"] - shift, ends["goal"] - shift
+    originals = ends | ({} if original is None else {"workspace": original})
     return {
         "name": fields["name"] or name,
         "description": fields["description"],
@@ -77,6 +79,8 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
         "goal": goal,
         "tolerance": fields["tolerance"],
         "offset": offset,
+        "boundary": boundary,
+        "originals": originals if offset.any() else {},
     }
 
 
@@ -101,34 +105,48 @@ def _obstacles(specs: Sequence[schema.ObstacleSpec | None], offset: Array) -> tu
     for index, (name, spec) in enumerate(zip(names, specs, strict=True)):
         if spec is None:
             continue
-        count = sum(map(len, (spec.vertices, *spec.holes)))
-        if count > schema.MAX_CORNERS:
-            sentence = f"has {count} vertices; at most {schema.MAX_CORNERS} a polygon are read: simplify or split it"
-            problems.append(Problem(f"obstacles[{index}].vertices", sentence))
+        found = _too_many(f"obstacles[{index}].vertices", spec)
+        if found:
+            problems += found
             continue
-        rings = [np.array(ring, dtype=float).reshape(-1, 2) - offset for ring in (spec.vertices, *spec.holes)]
+        rings = [np.array(ring, dtype=float).reshape(-1, 2) for ring in (spec.vertices, *spec.holes)]
         try:
-            obstacles.append(Obstacle(name, rings[0], tuple(rings[1:])))
+            exterior, *holes = (ring - offset for ring in rings)
+            obstacles.append(Obstacle(name, exterior, tuple(holes), tuple(rings) if offset.any() else ()))
         except GeometryError as error:
             problems += prefixed(f"obstacles[{index}]", error.problems)
     return obstacles, problems
 
 
+def _too_many(path: str, spec: schema.ObstacleSpec | schema.RegionSpec) -> list[Problem]:
+    count = sum(map(len, (spec.vertices, *spec.holes)))
+    if count <= schema.MAX_CORNERS:
+        return []
+    sentence = f"has {count} vertices; at most {schema.MAX_CORNERS} a polygon are read: simplify or split it"
+    return [Problem(path, sentence)]
+
+
 def _workspace(
-    spec: schema.BoxSpec | list[tuple[float, float]] | None, offset: Array
-) -> tuple[ConvexPolygon | None, list[Problem]]:
+    spec: schema.BoxSpec | schema.RegionSpec | list[tuple[float, float]] | None, offset: Array
+) -> tuple[ConvexPolygon | None, Boundary | None, Array | None, list[Problem]]:
+    """W, the boundary if it is not convex, W's vertices in the file's coordinates if it is, and what is wrong."""
     if spec is None:
-        return None, []
+        return None, None, None, []
+    if isinstance(spec, schema.BoxSpec):
+        (x_min, x_max), (y_min, y_max) = spec.x, spec.y
+        spec = [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)]
+    if isinstance(spec, list):
+        spec = schema.RegionSpec.model_construct(vertices=spec, holes=[])
+    problems = _too_many("workspace", spec)
+    if problems:
+        return None, None, None, problems
+    rings = [np.array(ring, dtype=float).reshape(-1, 2) for ring in (spec.vertices, *spec.holes)]
     try:
-        if isinstance(spec, schema.BoxSpec):
-            (x_min, x_max), (y_min, y_max) = np.array([spec.x, spec.y]) - offset[:, None]
-            return ConvexPolygon.rectangle(x_min, x_max, y_min, y_max), []
-        return ConvexPolygon.from_vertices(np.array(spec, dtype=float).reshape(-1, 2) - offset, "workspace"), []
+        exterior, *holes = (ring - offset for ring in rings)
+        ring = clean_ring(exterior, "")
+        if not holes and is_convex(ring.vertices):
+            return ConvexPolygon.from_vertices(exterior), None, rings[0][ring.indices], []
+        boundary = Boundary(exterior, tuple(holes), tuple(rings) if offset.any() else ())
+        return boundary.workspace(), boundary, None, []
     except GeometryError as error:
-        return None, [Problem(p.path, _workspace_sentence(p.message)) for p in error.problems]
-
-
-def _workspace_sentence(message: str) -> str:
-    if "not convex" not in message:
-        return message
-    return f"{message.split(';')[0]}; give its convex hull and make obstacles of what the vehicle must not use"
+        return None, None, None, prefixed("workspace", error.problems)

@@ -20,7 +20,7 @@ class Clearance(NamedTuple):
 
     Attributes:
         value: Signed distance, m: minus the penetration depth if they overlap, infinite without obstacles.
-        obstacle: Name of the obstacle.
+        obstacle: Name of the obstacle, or ``a+b`` where a part of the solid is of both.
         part: Name of the body part.
         normal: Unit vector from the obstacle to the body; along it is the shortest way out, shape (2,).
     """
@@ -43,22 +43,21 @@ def clearances(scenario: Scenario, vehicle: VehicleModel, state: Array, reach: f
     bodies = body_vertices(vehicle, state)
     corners = np.vstack([vertices for _, vertices in bodies])
     near = [
-        (index, part.vertices)
-        for index, obstacle in enumerate(scenario.obstacles)
-        for part in obstacle.parts
+        (label, part.vertices)
+        for solid in scenario.solids
+        for label, part in zip(solid.labels, solid.parts, strict=True)
         if box_distance(corners, part.vertices) <= reach
     ]
     if not near:
         return []
     padded = padded_vertices([vertices for _, vertices in near])
-    owner = np.array([index for index, _ in near])
-    nearest: dict[int, Clearance] = {}
+    nearest: dict[str, Clearance] = {}
     for part_name, vertices in bodies:
         line = best_line(vertices, padded)
         for row in np.argsort(line.clearance, kind="stable"):
-            index, value = int(owner[row]), float(line.clearance[row])
-            if index not in nearest or value < nearest[index].value:
-                nearest[index] = Clearance(value, scenario.obstacles[index].name, part_name, line.normal[row])
+            name, value = near[row][0], float(line.clearance[row])
+            if name not in nearest or value < nearest[name].value:
+                nearest[name] = Clearance(value, name, part_name, line.normal[row])
     return sorted(nearest.values(), key=lambda clearance: clearance.value)
 
 

@@ -1,4 +1,4 @@
-"""Obstacles: named polygons, convex or not, with the convex parts that planning and judging work on."""
+"""Obstacles: named polygons, convex or not, with the convex parts that they are cut into."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from tightspot.errors import GeometryError, Problem
-from tightspot.geometry import ConvexPolygon, decompose
+from tightspot.geometry import ConvexPolygon, convex_parts, solid_polygons
+from tightspot.scenarios.filed import in_file, read_only
 
 Array = NDArray[np.float64]
 
@@ -23,6 +25,8 @@ class Obstacle:
         name: Unique in its scenario.
         exterior: Corners as they were given (any winding, open or closed), m, shape (n, 2), read-only.
         holes: Rings inside that are free, each (m, 2), read-only.
+        originals: Exterior and holes in the file's coordinates if these differ, else empty.
+        polygons: What the rings bound, for shapely: valid, one unless the exterior touches itself.
         parts: Convex parts whose union is the polygon; no corner is invented.
 
     Raises:
@@ -35,29 +39,42 @@ class Obstacle:
     name: str
     exterior: Array
     holes: tuple[Array, ...] = ()
+    originals: tuple[Array, ...] = field(default=(), repr=False)
+    polygons: tuple[shapely.Polygon, ...] = field(init=False, repr=False)
     parts: tuple[ConvexPolygon, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         try:
-            parts = decompose(self.exterior, self.holes)
+            polygons = solid_polygons(self.exterior, self.holes)
+            parts = convex_parts(polygons)
         except GeometryError as error:
             raise GeometryError([_in_file(problem) for problem in error.problems]) from None
+        object.__setattr__(self, "polygons", tuple(polygons))
         object.__setattr__(self, "parts", parts)
-        object.__setattr__(self, "exterior", _ring(self.exterior))
-        object.__setattr__(self, "holes", tuple(_ring(hole) for hole in self.holes))
+        object.__setattr__(self, "exterior", read_only(self.exterior))
+        for key in ("holes", "originals"):
+            object.__setattr__(self, key, tuple(map(read_only, getattr(self, key))))
+
+    @property
+    def rings(self) -> tuple[Array, ...]:
+        """The exterior, then the holes, as they were given."""
+        return (self.exterior, *self.holes)
 
     def shifted(self, shift: ArrayLike) -> Obstacle:
         """The obstacle with ``shift`` (m, m) added to all its points."""
         step = np.asarray(shift, dtype=float)
-        return Obstacle(self.name, self.exterior + step, tuple(hole + step for hole in self.holes))
+        return Obstacle(self.name, self.exterior + step, tuple(hole + step for hole in self.holes), self.originals)
+
+    def rings_in_file(self, offset: ArrayLike = (0.0, 0.0)) -> list[list[list[float]]]:
+        """Exterior and holes as lists of points, with ``offset`` (m, m) added, bit for bit as they were read."""
+        originals = self.originals or (None,) * len(self.rings)
+        rings = zip(self.rings, originals, strict=True)
+        return [in_file(ring, offset, original).tolist() for ring, original in rings]
 
     def to_dict(self, offset: ArrayLike = (0.0, 0.0)) -> dict[str, Any]:
         """The scene file's obstacle, with ``offset`` (m, m) added to all its points."""
-        step = np.asarray(offset, dtype=float)
-        data: dict[str, Any] = {"name": self.name, "vertices": (self.exterior + step).tolist()}
-        if self.holes:
-            data["holes"] = [(hole + step).tolist() for hole in self.holes]
-        return data
+        exterior, *holes = self.rings_in_file(offset)
+        return {"name": self.name, "vertices": exterior} | ({"holes": holes} if holes else {})
 
 
 def unique_names(names: Sequence[str | None]) -> list[str]:
@@ -74,12 +91,6 @@ def unique_names(names: Sequence[str | None]) -> list[str]:
         taken.add(candidate)
         unique.append(candidate)
     return unique
-
-
-def _ring(points: ArrayLike) -> Array:
-    ring = np.array(points, dtype=float)
-    ring.setflags(write=False)
-    return ring
 
 
 def _in_file(problem: Problem) -> Problem:

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,11 @@ from tightspot import vehicles
 from tightspot.errors import Problem, SceneError
 from tightspot.geometry import ConvexPolygon
 from tightspot.scenarios.assemble import assemble, recentring
+from tightspot.scenarios.boundary import Boundary
+from tightspot.scenarios.filed import in_file
 from tightspot.scenarios.obstacle import Obstacle
 from tightspot.scenarios.schema import FORMAT, ToleranceSpec
+from tightspot.scenarios.solids import Solid, member_of, solids
 from tightspot.scenarios.states import as_state, state_problems, to_dict
 from tightspot.vehicles import VehicleModel
 
@@ -52,7 +56,8 @@ class Scenario:
     Attributes:
         name: For people and file names.
         workspace: W, the convex region that the body must not leave.
-        obstacles: With different names; they may overlap each other and reach outside W.
+        obstacles: With different names; they may overlap each other and reach outside W. For planning those that
+            touch are made one, see :attr:`solids`.
         start: (x, y, theta, v, delta) at the beginning, m, rad, m/s, shape (5,). NaN in v or delta: free.
         goal: The same at the end. Any multiple of 2 pi added to its heading is the same goal.
         tolerance: How near the goal counts as reached.
@@ -61,6 +66,10 @@ class Scenario:
         offset: What was subtracted from the file's coordinates, m, shape (2,): ``file = scenario + offset``.
         description: For people.
         source: Where the geometry comes from.
+        boundary: The region that the body must not leave if that is not convex: then W contains it, and what lies
+            between is a solid. ``None`` if W is the region itself.
+        originals: ``start``, ``goal`` and ``workspace`` as the file has them if the coordinates differ, so that
+            they can be written back bit for bit.
 
     Raises:
         SceneError: With all problems. Whether a vehicle fits there is for :func:`tightspot.scenarios.check`.
@@ -77,6 +86,8 @@ class Scenario:
     offset: Array = field(default_factory=lambda: np.zeros(2))
     description: str = ""
     source: str = ""
+    boundary: Boundary | None = None
+    originals: Mapping[str, Array] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         for key in ("start", "goal"):
@@ -89,14 +100,16 @@ class Scenario:
         if problems:
             raise SceneError(problems)
 
-    @property
+    @cached_property
+    def solids(self) -> tuple[Solid, ...]:
+        """What planner and judge see: obstacles that touch each other, and what the boundary excludes, made one."""
+        outside = self.boundary.outside() if self.boundary else None
+        return solids([*map(member_of, self.obstacles), *([outside] if outside else [])])
+
+    @cached_property
     def obstacle_parts(self) -> list[tuple[str, ConvexPolygon]]:
-        """All obstacles' convex parts with unique names: obstacle ``wall`` has ``wall/0``, ``wall/1``, ..."""
-        return [
-            (f"{obstacle.name}/{index}", part)
-            for obstacle in self.obstacles
-            for index, part in enumerate(obstacle.parts)
-        ]
+        """All solids' convex parts with unique names: solid ``wall`` has ``wall/0``, ``wall/1``, ..."""
+        return [(f"{solid.name}/{index}", part) for solid in self.solids for index, part in enumerate(solid.parts)]
 
     def vehicle_model(self) -> VehicleModel:
         """The recommended vehicle; raises :class:`tightspot.errors.VehicleError` if there is none such."""
@@ -106,7 +119,11 @@ class Scenario:
 
     def with_(self, **changes: Any) -> Scenario:
         """A copy with some attributes changed, checked again."""
-        return dataclasses.replace(self, **changes)
+        copy = dataclasses.replace(self, **changes)
+        if copy.obstacles == self.obstacles and copy.boundary is self.boundary:
+            for key in {"solids", "obstacle_parts"} & self.__dict__.keys():  # computed on demand, then kept
+                copy.__dict__[key] = self.__dict__[key]
+        return copy
 
     def recentred(self) -> Scenario:
         """The same scene with the start near the origin if it was more than 10 km away, else itself."""
@@ -120,10 +137,12 @@ class Scenario:
             start=self.start - state_step,
             goal=self.goal - state_step,
             offset=self.offset + step,
+            boundary=self.boundary and self.boundary.shifted(-step),
         )
 
     def to_dict(self) -> dict[str, Any]:
         """The scene file's object, plain data in the file's coordinates; :meth:`from_dict` reads it back."""
+        corners = in_file(self.workspace.vertices, self.offset, self.originals.get("workspace"))
         return {
             "format": FORMAT,
             "name": self.name,
@@ -131,10 +150,10 @@ class Scenario:
             "source": self.source,
             "vehicle": self.vehicle if isinstance(self.vehicle, str) else dict(self.vehicle),
             "margin": self.margin,
-            "workspace": (self.workspace.vertices + self.offset).tolist(),
+            "workspace": self.boundary.to_data(self.offset) if self.boundary else corners.tolist(),
             "obstacles": [obstacle.to_dict(self.offset) for obstacle in self.obstacles],
-            "start": to_dict(self.start, self.offset),
-            "goal": to_dict(self.goal, self.offset),
+            "start": to_dict(self.start, self.offset, self.originals.get("start")),
+            "goal": to_dict(self.goal, self.offset, self.originals.get("goal")),
             "tolerance": dataclasses.asdict(self.tolerance),
         }
 

@@ -28,8 +28,8 @@ from tightspot.problems import MOST_PROBLEMS, from_pydantic, near, prefixed, ref
 
 FORMAT: Literal["tightspot-scene/1"] = "tightspot-scene/1"
 MAX_VERTICES = 50_000
-MAX_CORNERS = 1_000
-"""Of one polygon with its holes: decomposing it takes a second or two."""
+MAX_CORNERS = 10_000
+"""Of one polygon with its holes: decomposing it takes seconds."""
 LARGEST_COORDINATE = 1e11
 """Beyond it a double no longer resolves the 0.1 mm that clearances need."""
 
@@ -91,9 +91,9 @@ def _printable(value: Any) -> Any:
 
 
 def _workspace(value: Any, handler: Callable[[Any], Any]) -> Any:
-    """Report only what is wrong with the form that was meant, a box or a list of corners."""
+    """Report only what is wrong with the form that was meant: a box, a list of corners, or corners and holes."""
     if isinstance(value, Mapping):
-        return BoxSpec.model_validate(value)
+        return (RegionSpec if "vertices" in value else BoxSpec).model_validate(value)
     if isinstance(value, list | tuple):
         return _CORNERS.validate_python(value)
     raise refusal(f"must be a list of corners or an object with x and y, but is {shown(value)}")
@@ -147,6 +147,13 @@ class BoxSpec(Strict):
     y: Interval = Field(description="[lowest, highest], m", examples=[[-8.0, 8.0]])
 
 
+class RegionSpec(Strict):
+    """A simple polygon, convex or not, inside of which the body must stay."""
+
+    vertices: list[Point] = Field(description="corners [x, y], m, once around in either direction")
+    holes: list[list[Point]] = Field(default=[], description="rings inside that are not free")
+
+
 class ObstacleSpec(Strict):
     """A polygon, convex or not, that the vehicle must not touch."""
 
@@ -195,11 +202,11 @@ class SceneSpec(Strict):
     margin: Number = Field(
         default=0.05, ge=0, le=10, description="clearance that a plan shall keep from every obstacle, m"
     )
-    workspace: Annotated[BoxSpec | list[Point] | None, WrapValidator(_workspace)] = Field(
+    workspace: Annotated[BoxSpec | list[Point] | RegionSpec | None, WrapValidator(_workspace)] = Field(
         default=None,
-        description="convex region that the body must not leave: {x: [min, max], y: [min, max]} or a list of "
-        "corners; if not given, the box around start and goal grown by 10 m, and further (at most 50 m) "
-        "to take in the obstacles",
+        description="region that the body must not leave: {x: [min, max], y: [min, max]}, a list of corners of a "
+        "simple polygon, or {vertices: [...], holes: [...]}; if not given, the box around start and goal grown by "
+        "10 m, and further (at most 50 m) to take in the obstacles",
         examples=[{"x": [-2.0, 15.0], "y": [-8.0, 8.0]}],
     )
     obstacles: list[ObstacleSpec] = Field(
@@ -218,7 +225,7 @@ KNOWN: dict[str, list[str]] = {
     "start": list(StateSpec.model_fields),
     "goal": list(StateSpec.model_fields),
     "tolerance": list(ToleranceSpec.model_fields),
-    "workspace": list(BoxSpec.model_fields),
+    "workspace": [*BoxSpec.model_fields, *RegionSpec.model_fields],
     "obstacles": list(ObstacleSpec.model_fields),
 }
 

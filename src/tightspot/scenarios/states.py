@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tightspot.errors import Problem, SceneError
+from tightspot.scenarios.filed import in_file
 from tightspot.scenarios.schema import StateSpec
 
 Array = NDArray[np.float64]
@@ -33,9 +34,9 @@ def from_spec(spec: StateSpec) -> Array:
     return np.array([np.nan if value is None else value for value in values], dtype=float)
 
 
-def to_dict(state: Array, offset: Array) -> dict[str, float | None]:
-    """The file's state, ``offset`` (m, m) added; NaN becomes ``None``."""
-    values = state + np.array([*offset, 0.0, 0.0, 0.0])
+def to_dict(state: Array, offset: Array, original: Array | None = None) -> dict[str, float | None]:
+    """The file's state, ``offset`` (m, m) added, see :func:`in_file`; NaN becomes ``None``."""
+    values = in_file(state, np.array([*offset, 0.0, 0.0, 0.0]), original)
     return {name: None if np.isnan(value) else float(value) for name, value in zip(STATE, values, strict=True)}
 
 
