@@ -83,7 +83,7 @@ def test_at_least_one_copy(member):
 
 def test_rows_that_nothing_satisfies_at_margin_0_need_a_smallest_margin():
     """At margin 0 the rows of these members hold for lam = 0, or everywhere, whatever the polygons do."""
-    vacuous = {SeparatingLine, SeparatingGap, NormalisedFarkasDual, SignedDistanceDual, TriangleArea}
+    vacuous = {SeparatingLine, SweptLine, SeparatingGap, NormalisedFarkasDual, SignedDistanceDual, TriangleArea}
     assert {member for member in FORMULATIONS.values() if member.smallest_margin > 0} == vacuous
 
 

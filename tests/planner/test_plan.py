@@ -15,7 +15,7 @@ from tightspot.formulations import FORMULATIONS
 from tightspot.guesses import GivenPath
 from tightspot.planner import Progress
 from tightspot.scenarios import Obstacle, Scenario, builtin
-from tightspot.solvers import Ipopt
+from tightspot.solvers import Ipopt, Stagewise
 from tightspot.verification import verify_plan
 
 
@@ -113,8 +113,27 @@ def test_a_refuted_solution_is_never_a_plan() -> None:
 
 def test_time_is_limited() -> None:
     with pytest.raises(PlanningError) as failure:
-        tightspot.plan("parallel", time_limit=0.05)
+        tightspot.plan("parallel", solver="ipopt", time_limit=0.05)
     assert failure.value.report["rounds"][-1]["solve"]["status"] == "TIME_LIMIT"
+
+
+def test_the_default_solver_is_the_stagewise_one_and_falls_back_to_ipopt(monkeypatch: pytest.MonkeyPatch) -> None:
+    rounds = tightspot.plan("oblique").report["rounds"]
+    assert {entry["solve"]["solver"] for entry in rounds} == {"stagewise"}
+    assert all(entry["fell_back_from"] == [] for entry in rounds)
+    monkeypatch.setattr("tightspot.planner.request.Stagewise", lambda: Stagewise(max_iterations=2))
+    entry = tightspot.plan("oblique").report["rounds"][0]
+    assert entry["solve"]["solver"] == "ipopt"
+    (failed,) = entry["fell_back_from"]
+    assert failed["solver"] == "stagewise"
+    assert failed["status"] == "ITERATION_LIMIT"
+
+
+def test_a_formulation_without_lines_is_solved_by_ipopt() -> None:
+    report = tightspot.plan("oblique", formulation="normalised-farkas-dual").report
+    assert {entry["solve"]["solver"] for entry in report["rounds"]} == {"ipopt"}
+    with pytest.raises(InputError, match=r"stagewise cannot solve SingleTrack with farkas-dual; choose ipopt"):
+        tightspot.plan("oblique", formulation="farkas-dual", solver="stagewise")
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,16 @@ from tightspot.guesses import GivenPath, LinearInterpolation
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Mesh, Round, Step, run_round
 from tightspot.planner.pairs import Room
-from tightspot.planner.strategy import EXTRA, FAILED_SOLVES, HOPELESS, at_knots, first_step, next_step, refine
+from tightspot.planner.strategy import (
+    EXTRA,
+    FAILED_SOLVES,
+    HOPELESS,
+    at_knots,
+    between_the_knots,
+    first_step,
+    next_step,
+    refine,
+)
 from tightspot.scenarios import builtin
 from tightspot.solvers import Ipopt
 from tightspot.trajectory import Trajectory
@@ -81,7 +90,7 @@ def test_an_objection_other_than_clearance_splits_everything() -> None:
 
 
 def failed(asked: Request, step: Step) -> Round:
-    hopeless = replace(asked, solver=Ipopt(max_iterations=1))
+    hopeless = replace(asked, solver=Ipopt(max_iterations=1), fallbacks=())
     outcome = run_round(hopeless, step, 0, lambda news: None, 10.0)
     assert not outcome.solved
     return outcome
@@ -116,8 +125,20 @@ def solved_at_the_knots(name: str, **changes: object) -> tuple[Request, Trajecto
 def test_after_the_knots_come_whole_intervals_on_a_mesh_that_is_finer_where_it_is_near() -> None:
     asked, guess, first = solved_at_the_knots("parallel")
     assert first.replay is not None
+    again = next_step(asked, [first], guess)
+    assert again is not None
+    assert again.mesh.formulation.holds == "knots", "0.3 m deep in an obstacle: first once more at the knots"
+    assert again.mesh.grid.steps > first.mesh.grid.steps
+    first = run_round(asked, again, 1, lambda news: None, 30.0)
+    assert first.replay is not None
     step = next_step(asked, [first], guess)
     assert step is not None
+    if step.kind == "again":
+        first = run_round(asked, step, 1, lambda news: None, 30.0)
+        assert first.replay is not None
+        step = between_the_knots(
+            asked, first, first.replay, Room.of_replay(first.replay, asked.scenario, asked.vehicle)
+        )
     assert step.mesh.formulation is asked.formulation
     assert step.before is first, "lines and multipliers are carried over"
     finer = step.mesh.grid.fractions
@@ -141,7 +162,7 @@ def test_after_the_knots_come_whole_intervals_on_a_mesh_that_is_finer_where_it_i
 
 
 def test_a_solution_whose_knots_jump_over_an_obstacle_is_no_start() -> None:
-    asked, guess, first = solved_at_the_knots("vertical", steps=4)
+    asked, guess, first = solved_at_the_knots("parallel", steps=7)
     assert first.replay is not None
     assert Room.of_replay(first.replay, asked.scenario, asked.vehicle).deepest < -HOPELESS
     step = next_step(asked, [first], guess)
