@@ -44,8 +44,9 @@ def plan(
 ) -> Plan:
     """Plan a trajectory that provably keeps ``margin`` from every obstacle at all times.
 
-    Guess, transcribe, solve, judge. If the judge does not certify the solution, intervals are added where the
-    witness lies, then the demanded margin grows, and the problem is solved again from the last solution.
+    Guess, transcribe, solve, judge. The first solve separates at the knots only; intervals are added where the judge
+    sees the motion between them come near, and the demanded formulation is solved on that mesh from the first solution.
+    If the judge still objects, intervals are added where the witness lies, then the demanded margin grows.
 
     Args:
         scenario: A scenario, the name of a built-in one, or a file.
@@ -53,7 +54,7 @@ def plan(
         objective: Default: the paper's eq. (25), r = 1, P = diag(1, 2).
         formulation: A member or its name; default: ``swept-line``.
         guess: A member or its name; default: ``hybrid-astar``.
-        solver: A backend or its name; default: IPOPT.
+        solver: A backend or its name; default: ``stagewise``, and ``ipopt`` where that fails or cannot be used.
         steps: Number of intervals to begin with; default: from the guess's length and gear changes.
         margin: Demanded clearance, m; default: the scenario's.
         refinements: Largest number of re-solves.
