@@ -56,7 +56,7 @@ def test_dpi_scales_the_pixels(plan: Plan, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["plan.jpg", "plan", "plan.png.txt", ".png"])
 def test_unknown_endings_get_one_sentence_with_the_list(name: str, plan: Plan, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"must end in \.png, \.svg, \.pdf, \.gif"):
+    with pytest.raises(InputError, match=r"must end in \.png, \.svg, \.pdf, \.gif, \.mp4"):
         show_plan(plan, tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 

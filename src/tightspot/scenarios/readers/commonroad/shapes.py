@@ -66,8 +66,8 @@ def circle_around(centre: Array, radius: float, tolerance: float = CIRCLE_TOLERA
     while n < MOST_CORNERS and radius * (1 / math.cos(math.pi / n) - 1) > tolerance:
         n += 1
     angles = 2 * np.pi * np.arange(n) / n
-    # The last factor keeps the rounded polygon outside the circle.
-    reach = radius / math.cos(math.pi / n) * (1 + 1e-12)
+    rounding = 16 * np.finfo(float).eps * (np.abs(centre).max() + radius)
+    reach = radius / math.cos(math.pi / n) + rounding  # so that the rounded polygon is still outside
     return np.asarray(centre + reach * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
