@@ -43,7 +43,7 @@ def test_an_overlap_names_obstacle_depth_and_a_way_out(problems):
     found = problems(lambda: check(scene([box(5, 5), box(3.5, -1)]), PAPER, 0.05))
     assert list(found) == ["start"]
     assert "overlaps obstacle 'o1' by 0.199 m" in found["start"]
-    assert "it would fit moved by (-0.250, +0.000) m" in found["start"]
+    assert "it would fit if moved by (-0.250, +0.000) m" in found["start"]
 
 
 @pytest.mark.parametrize("margin", [0.05, 0.3])
@@ -78,7 +78,7 @@ def test_exactly_the_margin_is_enough():
 def test_out_of_the_workspace_says_by_how_much_and_on_which_side(problems):
     found = problems(lambda: check(scene([], start=(16.5, 0, 0)), PAPER, 0.05))
     assert "0.199 m out of the workspace on its right (+x) side" in found["start"]
-    assert "it would fit moved by (-0.200, +0.000) m" in found["start"]
+    assert "it would fit if moved by (-0.200, +0.000) m" in found["start"]
     slanted = [[-20, -20], [20, -20], [20, 1], [-20, 2]]
     found = problems(lambda: check(scene([], start=(0, 0.8, 0), workspace=slanted), PAPER, 0.05))
     assert "out of the workspace on its (0.02, 1.00) side" in found["start"]

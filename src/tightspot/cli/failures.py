@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import traceback
-from dataclasses import asdict, dataclass, field, is_dataclass
+from dataclasses import asdict, dataclass, field, is_dataclass, replace
 from typing import Any
 
 import typer
 
 from tightspot.cli.console import notes, print_json, print_line
-from tightspot.errors import InputError, PlanningError, Problem, TightspotError
+from tightspot.errors import BlockedError, InputError, PlanningError, Problem, TightspotError
 
 DONE, REFUSED, BAD_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -27,13 +28,15 @@ class Failure:
         code: Exit code.
         status: One word for programs.
         lines: One sentence each, for people.
-        details: More for programs.
+        details: More for programs; what is not finite becomes ``null``.
+        advice: What to do about it, one sentence each, for people.
     """
 
     code: int
     status: str
     lines: list[str]
     details: dict[str, Any] = field(default_factory=dict)
+    advice: list[str] = field(default_factory=list)
 
     def report(self, *, as_json: bool) -> int:
         """Say it on standard error, with ``as_json`` also as one JSON object on standard output.
@@ -44,9 +47,11 @@ class Failure:
         console = notes()
         for line in self.lines:
             print_line(console, line, "red" if self.code != INTERRUPTED else "")
+        for line in self.advice:
+            print_line(console, line)
         if as_json:
             error = self.lines[0].removeprefix("error: ")
-            print_json({"status": self.status, "error": error, **self.details})
+            print_json(_finite({"status": self.status, "error": error, **self.details}))
         return self.code
 
 
@@ -54,6 +59,8 @@ def failure_of(error: BaseException) -> Failure:
     """What an exception means to the user of the command line."""
     if isinstance(error, KeyboardInterrupt):
         return Failure(INTERRUPTED, "interrupted", ["interrupted: nothing was written"])
+    if isinstance(error, BlockedError):
+        return _blocked(error)
     if isinstance(error, InputError):
         return _bad_input(error.problems)
     if isinstance(error, PlanningError):
@@ -74,14 +81,35 @@ def _bad_input(problems: list[Problem]) -> Failure:
     return Failure(BAD_INPUT, "bad-input", lines, {"problems": [asdict(problem) for problem in problems]})
 
 
+def _blocked(error: BlockedError) -> Failure:
+    failure = _bad_input(error.problems)
+    explanation = error.explanation
+    if explanation is None:
+        return failure
+    details = {**failure.details, "explanation": explanation.to_dict()}
+    return replace(failure, details=details, advice=[f"explain: {finding}" for finding in explanation.findings])
+
+
 def _no_plan(error: PlanningError) -> Failure:
-    witness = error.witness
-    details = {
-        "reason": error.reason,
-        "witness": asdict(witness) if is_dataclass(witness) and not isinstance(witness, type) else None,
-        "report": error.report,
-    }
-    return Failure(REFUSED, "no-plan", [f"no plan: {error.reason}"], details)
+    explanation = error.explanation
+    witness = asdict(error.witness) if is_dataclass(error.witness) and not isinstance(error.witness, type) else None
+    details = {"reason": error.reason, "witness": witness, "report": error.report}
+    if explanation is None:
+        return Failure(REFUSED, "no-plan", [f"no plan: {error.reason}"], details)
+    if witness is not None:
+        witness["pose"] = explanation.pose_in_file(witness["pose"])
+    details["explanation"] = explanation.to_dict()
+    advice = [f"change: {explanation.remedy}", *(f"explain: {finding}" for finding in explanation.findings)]
+    return Failure(REFUSED, "no-plan", [f"no plan: {explanation.sentence}"], details, advice)
+
+
+def _finite(data: Any) -> Any:
+    """Plain data with ``None`` for numbers that are not finite."""
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
 def _usage(error: Exception) -> Failure:

@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING
 from tightspot.errors import InputError, Problem
 
 if TYPE_CHECKING:
+    from tightspot.planner import Explanation
     from tightspot.verification import Plan
 
-PLAN, TRAJECTORY, PICTURE = "plan.json", "trajectory.csv", "plan.png"
+PLAN, TRAJECTORY, PICTURE, FAILURE = "plan.json", "trajectory.csv", "plan.png", "failure.png"
 OPTION = "--output"
 
 
@@ -39,7 +40,7 @@ def check_directory(directory: Path) -> None:
         raise InputError(Problem(OPTION, f"{existing} is a file; give a directory for the plan's files"))
     if not os.access(existing, os.W_OK | os.X_OK):
         raise InputError(Problem(OPTION, f"{existing} may not be written by you; choose another directory"))
-    for name in (PLAN, TRAJECTORY, PICTURE):
+    for name in (PLAN, TRAJECTORY, PICTURE, FAILURE):
         if (directory / name).is_dir():
             raise InputError(Problem(OPTION, f"{directory / name} is a directory, not a file; choose another"))
 
@@ -71,6 +72,30 @@ def write_plan(plan: Plan, directory: Path, *, picture: bool) -> dict[str, str]:
     return {kind: str(directory / name) for kind, name in files.items()}
 
 
+def write_failure(explanation: Explanation, directory: Path) -> dict[str, str]:
+    """Draw why there is no plan; whatever else is in the directory stays as it is.
+
+    Args:
+        explanation: What is drawn.
+        directory: Created if need be, with its parents.
+
+    Returns:
+        Paths by kind: ``picture``.
+
+    Raises:
+        InputError: It cannot be written: not permitted, disk full.
+    """
+    from tightspot import plotting
+
+    try:
+        with _created(directory):
+            plotting.save(plotting.figure_explanation(explanation), directory / FAILURE)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(Problem(OPTION, f"{directory} cannot be written: {reason}")) from None
+    return {"picture": str(directory / FAILURE)}
+
+
 def _write(plan: Plan, directory: Path, *, picture: bool) -> None:
     from tightspot.verification import save_plan, write_trajectory_csv
 
@@ -99,10 +124,10 @@ def _staged(directory: Path) -> Iterator[Path]:
 
 def _publish(stage: Path, target: Path) -> None:
     if target.exists():
-        for name in (PLAN, TRAJECTORY, PICTURE):
+        for name in (PLAN, TRAJECTORY, PICTURE, FAILURE):
             if (stage / name).exists():
                 os.replace(stage / name, target / name)
-            else:  # an older plan's picture would show another motion
+            else:  # an older picture would show another motion, or a failure that is none any more
                 (target / name).unlink(missing_ok=True)
     else:
         stage.chmod(0o777 & ~_umask())

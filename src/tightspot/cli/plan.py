@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tightspot.cli.console import answers, notes, print_json, print_line
+from tightspot.cli.failures import failure_of
 from tightspot.cli.interrupts import InterruptWatch
-from tightspot.cli.output_files import check_directory, default_directory, write_plan
+from tightspot.cli.output_files import PLAN, check_directory, default_directory, write_failure, write_plan
 from tightspot.cli.progress import ProgressView
 from tightspot.cli.summary import plan_facts, summary_table
+from tightspot.errors import BlockedError, InputError, PlanningError
 
 if TYPE_CHECKING:
     from tightspot.planner import Progress, ProgressCallback
@@ -46,27 +49,51 @@ def plan_command(
         float | None,
         typer.Option(metavar="R", help="Weight of the duration against the input energy; default: 1."),
     ] = None,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="No new attempt begins after this; default: 60."),
+    ] = None,
+    explain: Annotated[
+        bool,
+        typer.Option(
+            "--explain",
+            help="If there is no plan, find the largest margin and body width that pass: a minute more at most.",
+        ),
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="DIR", help="For the files; default: <scene>-plan."),
     ] = None,
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw plan.png.")] = True,
+    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw plan.png or failure.png.")] = True,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
 ) -> None:
     """Plan a certified manoeuvre and write plan.json, trajectory.csv and plan.png.
 
-    Nothing is written unless the plan is certified for all times.
+    Nothing is written unless the plan is certified for all times, except failure.png, which shows why there is none.
     """
     if output is not None:
         check_directory(output)
-    with InterruptWatch() as watch, ProgressView(notes(), quiet=quiet) as view:
+    options = {
+        "vehicle": vehicle,
+        "formulation": formulation,
+        "guess": guess,
+        "solver": solver,
+        "steps": steps,
+        "margin": margin,
+        **({} if time_limit is None else {"time_limit": time_limit}),
+        **({"explain": True} if explain else {}),
+    }
+    try:
+        with InterruptWatch() as watch, ProgressView(notes(), quiet=quiet) as view:
 
-        def progress(news: Progress) -> None:
-            watch.check()
-            view(news)
+            def progress(news: Progress) -> None:
+                watch.check()
+                view(news)
 
-        plan = _plan(scene, vehicle, formulation, guess, solver, steps, margin, time_weight, output, progress)
+            plan = _plan(scene, time_weight, output, progress, options)
+    except (PlanningError, BlockedError) as error:
+        raise typer.Exit(_explained(error, output, picture=picture, quiet=quiet, as_json=json)) from None
     directory = output or default_directory(plan.scenario.name)
     drawable = importlib.util.find_spec("matplotlib") is not None
     files = write_plan(plan, directory, picture=picture and drawable)
@@ -79,16 +106,7 @@ def plan_command(
 
 
 def _plan(
-    scene: str,
-    vehicle: str | None,
-    formulation: str | None,
-    guess: str | None,
-    solver: str | None,
-    steps: int | None,
-    margin: float | None,
-    time_weight: float | None,
-    output: Path | None,
-    progress: ProgressCallback,
+    scene: str, time_weight: float | None, output: Path | None, progress: ProgressCallback, options: dict[str, Any]
 ) -> Plan:
     from tightspot.planner import plan
     from tightspot.scenarios import load
@@ -97,17 +115,28 @@ def _plan(
     scenario = load(scene)
     if output is None:
         check_directory(default_directory(scenario.name))
-    return plan(
-        scenario,
-        vehicle=vehicle,
-        objective=None if time_weight is None else Objective(time_weight=time_weight),
-        formulation=formulation,
-        guess=guess,
-        solver=solver,
-        steps=steps,
-        margin=margin,
-        progress=progress,
-    )
+    objective = None if time_weight is None else Objective(time_weight=time_weight)
+    return plan(scenario, objective=objective, progress=progress, **options)
+
+
+def _explained(
+    error: PlanningError | BlockedError, output: Path | None, *, picture: bool, quiet: bool, as_json: bool
+) -> int:
+    """Say why there is no plan and draw it; the answer's exit code, whatever becomes of the picture."""
+    failure, explanation = failure_of(error), error.explanation
+    advice = list(failure.advice)
+    files: dict[str, str] = {}
+    if picture and explanation is not None and importlib.util.find_spec("matplotlib") is not None:
+        directory = output or default_directory(explanation.scenario.name)
+        try:
+            files = write_failure(explanation, directory)
+        except InputError as problem:
+            advice.append(f"no picture: {problem}")
+        if files and not quiet:
+            advice.append(f"picture: {files['picture']}")
+        if (directory / PLAN).exists() and not quiet:
+            advice.append(f"{directory / PLAN} is an older plan, not of this attempt")
+    return replace(failure, advice=advice, details={**failure.details, "files": files}).report(as_json=as_json)
 
 
 def _print(plan: Plan, files: dict[str, str]) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from tightspot.guesses.base import Guess, GuessResult, as_single_track, known
 from tightspot.guesses.lift import Arc, lift_arcs
+from tightspot.scenarios.bottleneck import is_closed
 from tightspot.scenarios.scenario import Scenario
 from tightspot.search import HybridAStarOptions, SearchResult, search
 from tightspot.vehicles.base import VehicleModel
@@ -21,7 +22,8 @@ class HybridAStar(Guess):
     """A path of arcs that keeps clear of the obstacles, lifted to a trajectory that the vehicle can drive.
 
     The search asks for somewhat more than the demanded margin first, then for the margin, then for half of it: the
-    optimiser can still find the room that the search's resolution hides.
+    optimiser can still find the room that the search's resolution hides. If the first resolution is in vain and the way
+    is provably closed for the demanded margin, that is all.
 
     Attributes:
         options: The search's; its margins are relative to the demanded one here if ``None``.
@@ -42,7 +44,15 @@ class HybridAStar(Guess):
             options = replace(HybridAStarOptions(), margins=tuple(dict.fromkeys(margins)), time_limit=10.0)
         obstacles = [polygon for _, polygon in scenario.obstacle_parts]
         start, goal = known(scenario.start), known(scenario.goal)
-        result = search(scenario.workspace, obstacles, car, start[:3], goal[:3], options)
+        result = search(
+            scenario.workspace,
+            obstacles,
+            car,
+            start[:3],
+            goal[:3],
+            options,
+            is_hopeless=lambda: is_closed(scenario, car, margin),
+        )
         if result.path is None:
             return GuessResult(None, result.explain(), _report(result), result)
         arcs = [Arc(float(length), float(curvature)) for length, curvature in result.path.arcs]

@@ -1,6 +1,5 @@
 """The planner: ``plan()`` wires guess, transcription, solver and judge together."""
 
-from tightspot.planner.bottleneck import Bottleneck
 from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.passing import Deeper, Passing
 from tightspot.planner.penetration import Contact, Penetration, minimum_penetration
@@ -10,7 +9,6 @@ from tightspot.planner.reach import Reach
 from tightspot.planner.solver_stop import SolverStop, WorstConstraint
 
 __all__ = [
-    "Bottleneck",
     "Contact",
     "Deeper",
     "Explanation",

@@ -13,15 +13,16 @@ from tightspot.errors import PlanningError
 from tightspot.guesses import Arc, HybridAStar, LinearInterpolation, lift_arcs
 from tightspot.guesses.base import known
 from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
-from tightspot.planner.bottleneck import is_closed
 from tightspot.planner.course import certified, run_rounds
 from tightspot.planner.mesh import steps_for
 from tightspot.planner.passing import Verdict
 from tightspot.planner.penetration import Penetration, shallowest
 from tightspot.planner.progress import Progress, ProgressCallback
-from tightspot.planner.request import Request
+from tightspot.planner.request import Request, resolve_solver
+from tightspot.scenarios.bottleneck import is_closed
 from tightspot.scenarios.remedies import fits
 from tightspot.search import COARSE, MEDIUM, HybridAStarOptions, shortest_path
+from tightspot.solvers import Stagewise
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import SingleTrack
 
@@ -60,6 +61,8 @@ def reeds_shepp(request: Request, car: SingleTrack) -> Trajectory:
 
 def least_penetration(request: Request, starts: Sequence[Start], deadline: float) -> Penetration | None:
     """The shallowest of the local minima from the starts; ``None`` if no solve ended well."""
+    solvers = [solver for solver in (request.solver, *request.fallbacks) if not isinstance(solver, Stagewise)]
+    solver = next(iter(solvers), resolve_solver(None))
     best: Penetration | None = None
     for start in starts:
         seconds = min(PENETRATION_SECONDS, deadline - time.perf_counter())
@@ -70,7 +73,7 @@ def least_penetration(request: Request, starts: Sequence[Start], deadline: float
                 request.scenario,
                 request.vehicle,
                 start.trajectory,
-                request.solver.with_time_limit(seconds),
+                solver.with_time_limit(seconds),
                 objective=request.objective,
                 steps=request.steps or steps_for(start.trajectory),
                 margin=request.margin,

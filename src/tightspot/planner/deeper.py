@@ -11,11 +11,11 @@ import numpy as np
 from tightspot.errors import VehicleError
 from tightspot.formulations import SweptLine
 from tightspot.planner.attempts import Attempts, Start
-from tightspot.planner.bottleneck import is_closed
 from tightspot.planner.passing import Deeper, Passing, Verdict, largest
 from tightspot.planner.penetration import Penetration
 from tightspot.planner.progress import Progress, ProgressCallback
-from tightspot.planner.request import Request, resolve_solver
+from tightspot.planner.request import Request, solvers_for
+from tightspot.scenarios.bottleneck import is_closed
 from tightspot.scenarios.remedies import NARROWEST, bisected
 from tightspot.vehicles import body_width, narrowed
 
@@ -57,13 +57,14 @@ def deeper_analysis(
 
 
 def with_defaults(request: Request) -> Request:
-    """The request with the planner's own formulation, solver and number of steps."""
-    return replace(request, formulation=SweptLine(), solver=resolve_solver(None), steps=None)
+    """The request with the planner's own formulation, solvers and number of steps."""
+    solver, fallbacks = solvers_for(None, request.vehicle, SweptLine())
+    return replace(request, formulation=SweptLine(), solver=solver, fallbacks=fallbacks, steps=None)
 
 
 def differences(request: Request) -> tuple[str, ...]:
     """What :func:`with_defaults` changes, for people."""
-    usual = resolve_solver(None)
+    usual = with_defaults(request).solver
     found = []
     if request.formulation.name != SweptLine.name:
         found.append(f"the formulation {SweptLine.name} instead of {request.formulation.name}")

@@ -10,7 +10,6 @@ import numpy as np
 from tightspot.errors import BlockedError, InputError, PlanningError
 from tightspot.guesses import GuessResult, HybridAStar
 from tightspot.planner.attempts import PENETRATION_SECONDS, Attempts, Start, colliding_starts, least_penetration
-from tightspot.planner.bottleneck import bottleneck
 from tightspot.planner.deeper import deeper_analysis, with_defaults
 from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.passing import Deeper
@@ -29,6 +28,7 @@ from tightspot.planner.sentences import (
 )
 from tightspot.planner.solver_stop import solver_stop
 from tightspot.scenarios import Blocked, Scenario
+from tightspot.scenarios.bottleneck import bottleneck
 from tightspot.search import SearchResult
 from tightspot.solvers import SolveStatus
 from tightspot.trajectory import Trajectory
@@ -170,7 +170,8 @@ def _not_solved(request: Request, rounds: list[Round], tell: ProgressCallback, s
     narrow = bottleneck(request.scenario, request.vehicle, request.margin)
     least, deeper = None, None
     starts = colliding_starts(request, last.trajectory)
-    gave_up = any(outcome.report.status is SolveStatus.INFEASIBLE for outcome in rounds)
+    reports = [report for outcome in rounds for report in (outcome.report, *outcome.abandoned)]
+    gave_up = any(report.status is SolveStatus.INFEASIBLE for report in reports)
     if seconds is not None:
         deadline = time.perf_counter() + seconds
         least = _least(with_defaults(request), starts, tell, deadline)

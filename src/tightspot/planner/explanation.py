@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.planner.bottleneck import Bottleneck
 from tightspot.planner.passing import Deeper
 from tightspot.planner.penetration import Contact, Penetration
 from tightspot.planner.reach import Reach
 from tightspot.planner.solver_stop import SolverStop
 from tightspot.scenarios import Blocked, Scenario
+from tightspot.scenarios.bottleneck import Bottleneck
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import VehicleModel
 from tightspot.verification import Certificate, Witness
@@ -93,6 +93,11 @@ class Explanation:
         """What the deeper analysis found, one sentence each."""
         return [] if self.deeper is None else self.deeper.sentences
 
+    def pose_in_file(self, pose: Sequence[float]) -> list[float]:
+        """(x, y, theta) in the scene file's coordinates."""
+        x, y = pose[:2] + self.scenario.offset
+        return [float(x), float(y), float(pose[2])]
+
     def to_dict(self) -> dict[str, Any]:
         """Plain data in the scene file's coordinates."""
         return {"kind": self.kind.word, "sentence": self.sentence, "remedy": self.remedy, **dict(self._parts())}
@@ -109,29 +114,21 @@ class Explanation:
         if self.solver is not None:
             yield "solver", self.solver.to_dict()
         if self.penetration is not None:
-            yield "penetration", _penetration(self.penetration, offset)
+            yield "penetration", self._penetration(self.penetration)
         if self.certificate is not None:
             yield "failed_checks", [check.sentence for check in self.certificate.failed]
         if self.witness is not None:
-            yield "witness", _witness(self.witness, offset)
+            yield "witness", {**vars(self.witness), "pose": self.pose_in_file(self.witness.pose)}
         if self.deeper is not None:
             yield "deeper", self.deeper.to_dict()
 
+    def _penetration(self, found: Penetration) -> dict[str, Any]:
+        return {
+            "depth": found.depth,
+            "contacts": [self._contact(contact) for contact in found.contacts],
+            "nearest": None if found.nearest is None else self._contact(found.nearest),
+        }
 
-def _penetration(found: Penetration, offset: Array) -> dict[str, Any]:
-    return {
-        "depth": found.depth,
-        "contacts": [_contact(contact, offset) for contact in found.contacts],
-        "nearest": None if found.nearest is None else _contact(found.nearest, offset),
-    }
-
-
-def _contact(contact: Contact, offset: Array) -> dict[str, Any]:
-    x, y, theta = contact.pose
-    moved = {"pose": [x + float(offset[0]), y + float(offset[1]), theta], "place": list(contact.place + offset)}
-    return {**vars(contact), **moved}
-
-
-def _witness(witness: Witness, offset: Array) -> dict[str, Any]:
-    x, y, theta = witness.pose
-    return {**vars(witness), "pose": [x + float(offset[0]), y + float(offset[1]), theta]}
+    def _contact(self, contact: Contact) -> dict[str, Any]:
+        place = [float(value) for value in contact.place + self.scenario.offset]
+        return {**vars(contact), "pose": self.pose_in_file(contact.pose), "place": place}

@@ -8,14 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from tightspot.guesses import GuessResult
-from tightspot.planner.bottleneck import Bottleneck
 from tightspot.planner.passing import Deeper
 from tightspot.planner.penetration import Contact, Penetration
 from tightspot.planner.reach import Reach
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
-from tightspot.planner.solver_stop import SolverStop, obstacle_name
+from tightspot.planner.solver_stop import SolverStop
 from tightspot.scenarios import Blocked
+from tightspot.scenarios.bottleneck import Bottleneck
+from tightspot.scenarios.labels import labels
 from tightspot.solvers import SolveStatus
 from tightspot.verification import verify
 from tightspot.verification.certificate import WORKSPACE
@@ -85,7 +86,7 @@ def solver_words(
         return f"{found} There can be none: {narrow.describe(offset)}.", _widen(request, narrow, deeper)
     remedy = _AFTER_STATUS.get(stop.status, "Take another guess (--guess) or a smaller margin")
     if stop.tightest is not None and stop.tightest.obstacle not in ("", WORKSPACE):
-        remedy += f", or make room at obstacle {obstacle_name(stop.tightest.obstacle)!r}"
+        remedy += f", or make room at obstacle {stop.tightest.label!r}"
     if least is not None:
         remedy += ". A trajectory that keeps the margin at all samples was found afterwards, which is worth a guess"
     return found, _asked(f"{remedy}.", deeper)
@@ -96,7 +97,7 @@ def penetration_words(
 ) -> tuple[str, str]:
     """When only trajectories that come too near were found."""
     x, y = near.place + request.scenario.offset
-    name = obstacle_name(near.obstacle)
+    name = labels(request.scenario)[near.obstacle]
     where = f"{name!r} at {near.time:.2f} s near ({x:.2f}, {y:.2f})"
     if near.depth > 0:
         found = f"Only trajectories that collide were found: at the least, {near.part} penetrates obstacle {where}"

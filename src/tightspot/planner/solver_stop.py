@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tightspot.planner.pairs import sampled_clearance
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
+from tightspot.scenarios.labels import labels
 from tightspot.solvers import SolveStatus
 from tightspot.solvers.nlp import RowBlock
 from tightspot.verification.certificate import WORKSPACE, Witness
@@ -26,6 +27,7 @@ class WorstConstraint:
         kind: ``dynamics``, ``workspace`` or ``separation``.
         part: Name of the body part; empty for the dynamics.
         obstacle: Name of the obstacle part; ``workspace`` for its border; empty for the dynamics.
+        label: What people call it: the name of the obstacle.
         start: Beginning of the time in which it shall hold, s.
         end: End of that time, s; the same for constraints at one moment.
         violation: By how much, in the constraint's own unit.
@@ -34,6 +36,7 @@ class WorstConstraint:
     kind: str
     part: str
     obstacle: str
+    label: str
     start: float
     end: float
     violation: float
@@ -42,7 +45,7 @@ class WorstConstraint:
         when = f"at {self.end:.2f} s" if self.start == self.end else f"from {self.start:.2f} s to {self.end:.2f} s"
         if self.kind == "dynamics":
             return f"the vehicle's dynamics {when} (violated by {self.violation:.2g})"
-        what = "the workspace's border" if self.obstacle == WORKSPACE else f"obstacle {obstacle_name(self.obstacle)!r}"
+        what = "the workspace's border" if self.obstacle == WORKSPACE else f"obstacle {self.label!r}"
         return f"the separation of {self.part} from {what} {when} (violated by {self.violation:.2g})"
 
 
@@ -57,7 +60,9 @@ class SolverStop:
         violation: Largest violation of anything at the last iterate.
         worst: The constraint that is violated most, or ``None`` if only bounds are.
         tightest: The constraint on clearance of an obstacle or on W that is violated most, or ``None``.
-        witness: Where the last iterate's knots come nearest to an obstacle; ``None`` without obstacles.
+        pose: (x m, y m, theta rad) of the last iterate at the end of the time of ``worst``, in the scenario's
+            coordinates; ``None`` without ``worst``.
+        witness: Where the last iterate's knots come nearest to an obstacle, if that is nearer than the margin.
     """
 
     status: SolveStatus
@@ -66,6 +71,7 @@ class SolverStop:
     violation: float
     worst: WorstConstraint | None
     tightest: WorstConstraint | None
+    pose: tuple[float, float, float] | None
     witness: Witness | None
 
     def to_dict(self) -> dict[str, Any]:
@@ -81,22 +87,20 @@ class SolverStop:
         }
 
 
-def obstacle_name(part: str) -> str:
-    """The obstacle's name of a name of an obstacle part: ``wall`` of ``wall/0``."""
-    return part.rsplit("/", 1)[0]
-
-
 def solver_stop(request: Request, rounds: list[Round]) -> SolverStop:
     """Of the last round, which is one that was not solved."""
     last = rounds[-1]
     blocks = [block for block in last.transcription.nlp.blocks if block.rows.stop > block.rows.start]
+    worst = _worst(request, last, blocks)
+    knot = None if worst is None else int(np.argmin(np.abs(last.trajectory.t - worst.end)))
     return SolverStop(
         status=last.report.status,
         iterations=last.report.iterations,
         rounds=len(rounds),
         violation=last.report.violation,
-        worst=_worst(request, last, blocks),
+        worst=worst,
         tightest=_worst(request, last, [block for block in blocks if block.kind != "dynamics"]),
+        pose=None if knot is None else _pose(last.trajectory.states[knot]),
         witness=_nearest(request, last),
     )
 
@@ -115,7 +119,8 @@ def _worst(request: Request, last: Round, blocks: list[RowBlock]) -> WorstConstr
     t, k = last.trajectory.t, block.knot
     throughout = block.kind == "dynamics" or last.mesh.formulation.holds == "interval"
     start = float(t[k - 1] if throughout and k > 0 else t[k])
-    return WorstConstraint(block.kind, part, obstacle, start, float(t[k]), violations[worst])
+    label = labels(request.scenario).get(obstacle, obstacle)
+    return WorstConstraint(block.kind, part, obstacle, label, start, float(t[k]), violations[worst])
 
 
 def _nearest(request: Request, last: Round) -> Witness | None:
@@ -125,8 +130,14 @@ def _nearest(request: Request, last: Round) -> Witness | None:
     if not clear.size:
         return None
     k, i, j = (int(index) for index in np.unravel_index(int(clear.argmin()), clear.shape))
-    x, y, theta = (float(value) for value in states[k, :3])
     value = float(clear[k, i, j])
+    if value >= request.margin:
+        return None
     obstacle = request.scenario.obstacle_parts[j][0]
     kind = "collision" if value < 0 else "margin"
-    return Witness(float(last.trajectory.t[k]), request.vehicle.parts[i].name, obstacle, value, (x, y, theta), kind)
+    return Witness(float(last.trajectory.t[k]), request.vehicle.parts[i].name, obstacle, value, _pose(states[k]), kind)
+
+
+def _pose(state: Array) -> tuple[float, float, float]:
+    x, y, theta = (float(value) for value in state[:3])
+    return x, y, theta

@@ -15,6 +15,7 @@ except ModuleNotFoundError:
 
 from tightspot.plotting.animation import save_animation
 from tightspot.plotting.bodies import draw_body, swept_area
+from tightspot.plotting.explanation_figure import figure_explanation
 from tightspot.plotting.failure_figure import figure_failure
 from tightspot.plotting.motion import Leg, drive_legs
 from tightspot.plotting.output import save, show_plan
@@ -34,6 +35,7 @@ __all__ = [
     "draw_scene",
     "draw_sweep",
     "drive_legs",
+    "figure_explanation",
     "figure_failure",
     "figure_panels",
     "figure_plan",

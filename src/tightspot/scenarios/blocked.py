@@ -79,7 +79,7 @@ class Blocked:
         if self.move is not None:
             ways.append(_moved(self.move))
         if self.turn is not None:
-            ways.append(f"turned by {math.degrees(self.turn):+.1f} deg")
+            ways.append(f"if turned by {math.degrees(self.turn):+.1f} deg")
         if self.width is not None:
             ways.append(f"with a body {self.width:.3f} m wide (now {self.width_now:.3f} m)")
         if self.margin_that_fits is not None:
@@ -156,4 +156,4 @@ def _length(value: float) -> str:
 
 def _moved(step: tuple[float, float]) -> str:
     decimals = 3 if all(round(value, 3) == value for value in step) else 6
-    return f"moved by ({step[0]:+.{decimals}f}, {step[1]:+.{decimals}f}) m"
+    return f"if moved by ({step[0]:+.{decimals}f}, {step[1]:+.{decimals}f}) m"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -39,6 +39,8 @@ def search(
     start: ArrayLike,
     goal: ArrayLike,
     options: HybridAStarOptions | None = None,
+    *,
+    is_hopeless: Callable[[], bool] | None = None,
 ) -> SearchResult:
     """A path on which the body keeps a margin to all obstacles and stays in the workspace.
 
@@ -53,6 +55,7 @@ def search(
         start: (x m, y m, theta rad) of the rear-axle midpoint.
         goal: The same.
         options: Defaults to :class:`HybridAStarOptions`.
+        is_hopeless: Asked once if the first resolution was in vain; true ends the search.
 
     Returns:
         A result; its ``path`` is ``None`` unless its ``status`` is ``FOUND``; ``attempts`` is what was tried.
@@ -67,10 +70,15 @@ def search(
     attempts: list[Attempt] = []
     closed: list[Array] = []
     deadline = time.monotonic() + options.time_limit
+    first = options.resolutions[0]
     for resolution, margin, direction in _ladder(options):
         seconds_left = deadline - time.monotonic()
         if _is_settled(resolution, margin, attempts) or (attempts and seconds_left <= 0):
             continue
+        if is_hopeless is not None and resolution is not first:
+            if is_hopeless():
+                break
+            is_hopeless = None
         attempt, arcs, poses = scene.attempt(resolution, margin, direction, seconds_left)
         attempts.append(attempt)
         closed.append(poses)

@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 
 from tightspot.errors import GeometryError
 from tightspot.geometry import ConvexPolygon, transform
-from tightspot.planner.solver_stop import obstacle_name
-from tightspot.scenarios import Scenario
+from tightspot.scenarios.labels import labels
 from tightspot.scenarios.remedies import bisected
+from tightspot.scenarios.scenario import Scenario
 from tightspot.vehicles import VehicleModel
-from tightspot.verification.certificate import WORKSPACE
 
 Array = NDArray[np.float64]
 
+WORKSPACE = "workspace"
+"""The name of W's border among the things that a place may lie between."""
 ACCURACY = 5e-4
 """Of the widest passage, m."""
 
@@ -163,26 +164,36 @@ def _narrowest(
         middle = (passing + failing) / 2
         passing, failing = (middle, failing) if _connected(_free(scenario, middle, margin), ends) else (passing, middle)
     pieces = _free(scenario, failing, margin)
-    place = _gap(pieces, *_pieces_of(pieces, ends))
+    here, there = _pieces_of(pieces, ends)
+    place = _gap(pieces, here, there, ends)
     reached = largest[_pieces_of(largest, ends)[0]]
     beside = _beside(scenario, place, failing + margin)
     return Bottleneck(place, beside, 2 * passing, 2 * radius, open_margin, reached)
 
 
-def _gap(pieces: list[Any], here: int, there: int) -> Array:
-    """The middle of the shortest line from one piece to the next on the way to the other end."""
+def _gap(pieces: list[Any], here: int, there: int, ends: list[Array]) -> Array:
+    """The middle of a shortest line from one piece to the next on the way to the other end.
+
+    If there are many such lines, as across a wall, the one that begins nearest to the straight line between the ends.
+    """
     line = shapely.shortest_line(pieces[here], pieces[there])
     crossed = [i for i, piece in enumerate(pieces) if i != here and shapely.intersects(line, piece)]
-    line = shapely.shortest_line(pieces[here], shapely.union_all([pieces[i] for i in crossed]))
-    return np.asarray(shapely.get_coordinates(line).mean(axis=0))
+    onward = shapely.union_all([pieces[i] for i in crossed])
+    near = shapely.buffer(onward, 1.001 * shapely.distance(pieces[here], onward) + ACCURACY, quad_segs=64)
+    shore = shapely.intersection(shapely.boundary(pieces[here]), near)
+    shore = pieces[here] if shore.is_empty else shore
+    first = shapely.get_coordinates(shapely.shortest_line(shore, shapely.LineString(ends)))[0]
+    last = shapely.get_coordinates(shapely.shortest_line(shapely.Point(first), onward))[-1]
+    return np.asarray((first + last) / 2)
 
 
 def _beside(scenario: Scenario, place: Array, radius: float) -> tuple[str, ...]:
     """Names of the two things nearest to the place, if they are about as near as the disc's rim."""
     point = shapely.Point(place)
     distances: dict[str, float] = {}
+    names = labels(scenario)
     for part_name, polygon in scenario.obstacle_parts:
-        name = obstacle_name(part_name)
+        name = names[part_name]
         distances[name] = min(distances.get(name, np.inf), float(polygon.to_shapely().distance(point)))
     distances[WORKSPACE] = float((scenario.workspace.b - scenario.workspace.A @ place).min())
     near = sorted(distances, key=lambda name: distances[name])[:2]

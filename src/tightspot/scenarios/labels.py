@@ -1,0 +1,11 @@
+"""What people call the convex parts that planner and judge see."""
+
+from __future__ import annotations
+
+from tightspot.scenarios.scenario import Scenario
+
+
+def labels(scenario: Scenario) -> dict[str, str]:
+    """For each name in :attr:`Scenario.obstacle_parts` the obstacle that the part is of, or ``a+b`` if of both."""
+    names = [name for name, _ in scenario.obstacle_parts]
+    return dict(zip(names, (label for solid in scenario.solids for label in solid.labels), strict=True))
