@@ -8,72 +8,41 @@
 #include <utility>
 #include <vector>
 
-#include "tightspot/stagewise/assembly.hpp"
+#include "tightspot/stagewise/audit.hpp"
 #include "tightspot/stagewise/filter.hpp"
-#include "tightspot/stagewise/outcome.hpp"
-#include "tightspot/stagewise/point.hpp"
-#include "tightspot/stagewise/reductions.hpp"
-#include "tightspot/stagewise/sweep.hpp"
+#include "tightspot/stagewise/newton.hpp"
 
 namespace tightspot::stagewise {
 
 template <class Model>
-class InteriorPoint {
+class InteriorPoint : public Newton<Model> {
+    using Base = Newton<Model>;
     using S = Sizes<Model>;
-    static constexpr double goal_penalty = 1e6;
+    using Base::assembly_, Base::bounds_, Base::complementarity, Base::complementarity_, Base::diverged, Base::direction;
+    using Base::factor, Base::goal_residual_, Base::last_regularisation_, Base::layout_, Base::measure, Base::mu_;
+    using Base::problem_, Base::row_residual_, Base::scale_, Base::set_goal_residual, Base::set_system;
+    using Base::stationarity_, Base::values_, Base::violation_;
+    static constexpr double first_regularisation = 3;  // keeps the first steps short; falls threefold each iteration
     static constexpr double smallest_barrier_of_tolerance = 0.1;
 
    public:
-    explicit InteriorPoint(Problem problem)
-        : problem_(std::move(problem)), layout_(layout_of(problem_, S::nx, S::nu)),
-          bounds_(bounds_of(problem_, layout_)), assembly_(problem_, layout_), sweep_(problem_, layout_),
-          filter_(500) {
-        point.allocate(layout_, bounds_.size()), trial_.allocate(layout_, bounds_.size());
-        step_.allocate(layout_, bounds_.size()), other_.allocate(layout_, bounds_.size());
-        values_.allocate(problem_, layout_), trial_values_.allocate(problem_, layout_);
-        assembly_.allocate(gradient_), residual_.assign(layout_.line, 0);
-        for (Vector* rows : {&D_, &b_, &row_residual_, &corrected_rows_}) rows->assign(layout_.rows, 0);
+    explicit InteriorPoint(Problem problem) : Base(std::move(problem)), filter_(500) {
+        for (Point* other : {&trial_, &step_, &other_}) other->allocate(layout_, bounds_.size());
+        trial_values_.allocate(problem_, layout_);
+        corrected_rows_.assign(layout_.rows, 0), corrected_goal_.assign(S::nx, 0);
         corrected_defects_.assign(problem_.steps * S::nx, 0);
-        bound_diagonal_.assign(layout_.line, 0), bound_gradient_.assign(layout_.line, 0);
-        for (int i = 0; i < layout_.line; ++i) free_.push_back(fixed(i) ? 0.0 : 1.0);
-        goal_residual_.assign(S::nx, 0), corrected_goal_.assign(S::nx, 0);
+        samples_.assign(Audit<Model>::scratch_size(problem_), 0);
     }
-    InteriorPoint(const InteriorPoint&) = delete;
-    InteriorPoint& operator=(const InteriorPoint&) = delete;
 
-    Point point;
+    using Base::point;
     std::vector<Record> log;
-
-    const Problem& problem() const { return problem_; }
-    const Layout& layout() const { return layout_; }
-    const std::vector<Bound>& bounds() const { return bounds_; }
-    const Values<Model>& values() const { return values_; }
-    // What bounds and fixed values add to the Lagrangian's gradient with respect to states, inputs and t_f.
-    Vector bound_multipliers() const {
-        Vector result(layout_.line, 0.0);
-        for (std::size_t i = 0; i < bounds_.size(); ++i) result[bounds_[i].index] -= bounds_[i].side * point.zb[i];
-        for (int i = 0; i < layout_.line; ++i)
-            if (fixed(i)) result[i] = -residual_[i];
-        return result;
-    }
-
-    // The clearance demanded in each row at the last point evaluated.
-    Vector demands() const {
-        Vector result(layout_.rows, 0.0);
-        const int parts = problem_.parts.size();
-        for (int k = 0; k < problem_.steps; ++k) {
-            RowDemands visitor{values_.covers.data() + k * parts, result.data()};
-            visit_rows(problem_, layout_, point.v.data(), values_, k, visitor);
-        }
-        return result;
-    }
 
     Outcome solve(const Options& options, const Callback& callback = {}) {
         using Clock = std::chrono::steady_clock;
         const auto began = Clock::now();
         const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
         Outcome outcome;
-        log.clear(), log.reserve(options.max_iterations + 1);
+        log.clear(), log.reserve(std::clamp(options.max_iterations, 0, 10000) + 1);
         filter_.clear(), last_regularisation_ = 0, large_violation_ = -1;
         options_ = options, mu_ = options.initial_barrier;
         if (!initialise()) return finish(outcome, Status::numerical, seconds());
@@ -82,10 +51,11 @@ class InteriorPoint {
             Record record = measure(iteration);
             outcome.iterations = iteration;
             const double error = std::max({record.violation, record.stationarity, record.complementarity});
+            const double all = record.violation + record.stationarity + record.complementarity + record.objective;
             const bool stop = callback && !callback(record);
             Status status = Status::solved;
             acceptable = error <= options.acceptable_tolerance ? acceptable + 1 : 0;
-            if (!std::isfinite(error)) status = Status::numerical;
+            if (!std::isfinite(all)) status = Status::numerical;
             else if (error <= options.tolerance) status = Status::solved;
             else if (stop) status = Status::stopped;
             else if (acceptable > options.acceptable_iterations) status = Status::acceptable;
@@ -102,51 +72,19 @@ class InteriorPoint {
                 }
             }
             log.push_back(record);
+            const bool claims = status == Status::solved || status == Status::acceptable;
+            if (claims && !confirmed(status)) status = Status::numerical;
             return finish(outcome, status, seconds());
         }
     }
 
-    struct Lagrangian {
-        Vector gradient, hessian;  // with respect to all variables; the Hessian full
-    };
-
-    // For tests: derivatives of f + lam . defects - z . rows at the point, as the Newton system has them.
-    Lagrangian lagrangian() {
-        const double* v = point.v.data();
-        const std::size_t n = point.v.size();
-        Vector nothing(n, 0.0), no_weights(layout_.rows, 0.0);
-        assembly_.evaluate(v, values_);
-        assembly_.differentiate_all(v, values_);
-        std::fill(point.zb.begin(), point.zb.end(), 0.0);
-        lagrangian_gradient();
-        Lagrangian out{residual_, Vector(n * n, 0.0)};
-        out.gradient.insert(out.gradient.end(), gradient_.lines.begin(), gradient_.lines.end());
-        assembly_.set_hessian(v, values_, no_weights.data(), point.z.data(), point.lam.data(), nothing.data());
-        for (int k = 0; k < problem_.steps; ++k) scatter(k, n, out.hessian);
-        return out;
-    }
-
    private:
-    // Adds interval k's quadratic and its pairs' blocks to a full matrix.
-    void scatter(int k, std::size_t n, Vector& full) const {
-        std::size_t index[S::nw];
-        for (int i = 0; i < S::nx; ++i) index[i] = layout_.x(k) + i, index[S::na + i] = layout_.x(k + 1) + i;
-        index[S::nx] = layout_.time;
-        for (int i = 0; i < S::nu; ++i) index[S::nz + i] = layout_.u(k) + i;
-        const double* W = assembly_.stages.data() + k * S::nw * S::nw;
-        for (int i = 0; i < S::nw; ++i)
-            for (int j = 0; j < S::nw; ++j) full[index[i] * n + index[j]] += W[i * S::nw + j];
-        const int parts = problem_.parts.size();
-        for (int p = layout_.pair[k * parts]; p < layout_.pair[(k + 1) * parts]; ++p) {
-            const PairBlock<Model>& pair = assembly_.pairs[p];
-            const std::size_t phi = layout_.aux(p), mu = phi + 1;
-            full[phi * n + phi] += pair.phi_phi, full[mu * n + mu] += pair.mu_mu;
-            full[phi * n + mu] += pair.phi_mu, full[mu * n + phi] += pair.phi_mu;
-            for (int i = 0; i < S::nw; ++i) {
-                full[phi * n + index[i]] += pair.phi[i], full[index[i] * n + phi] += pair.phi[i];
-                full[mu * n + index[i]] += pair.mu[i], full[index[i] * n + mu] += pair.mu[i];
-            }
-        }
+    // Nothing is called solved that the problem's definition does not confirm.
+    bool confirmed(Status status) {
+        const double tolerance = status == Status::solved ? options_.tolerance : options_.acceptable_tolerance;
+        for (double z : point.z)
+            if (!(z >= 0)) return false;
+        return Audit<Model>(problem_, layout_, point.v, samples_).violation() <= 10 * tolerance;
     }
 
     Outcome finish(Outcome& outcome, Status status, double seconds) {
@@ -197,88 +135,6 @@ class InteriorPoint {
         return bound.side > 0 ? problem_.input_high[input] : problem_.input_low[input];
     }
 
-    // Derivatives at the point and how far it is from optimal.
-    Record measure(int iteration) {
-        const double* v = point.v.data();
-        assembly_.differentiate_all(v, values_);
-        set_goal_residual(v, goal_residual_);
-        const double *c = values_.rows.data(), *slack = point.s.data();
-        for (int i = 0; i < layout_.rows; ++i) row_residual_[i] = c[i] - slack[i];
-        violation_ = std::max({magnitude(values_.defects), magnitude(goal_residual_), magnitude(row_residual_)});
-        const double scale = multiplier_scale();
-        stationarity_ = lagrangian_gradient() / scale;
-        scale_ = scale;
-        complementarity_ = complementarity(0) / scale;
-        Record record;
-        record.iteration = iteration, record.objective = values_.objective, record.violation = violation_;
-        record.stationarity = stationarity_, record.complementarity = complementarity_, record.barrier = mu_;
-        return record;
-    }
-
-    static double magnitude(const Vector& values) {
-        return largest_magnitude(values.size(), [&](std::size_t i) { return values[i]; });
-    }
-
-    void set_goal_residual(const double* v, Vector& out) const {
-        for (int i = 0; i < S::nx; ++i)
-            out[i] = std::isnan(problem_.goal[i]) ? 0 : v[layout_.x(problem_.steps) + i] - problem_.goal[i];
-    }
-
-    double multiplier_scale() const {
-        const auto sum = [](const Vector& values) {
-            return total(values.size(), [&](std::size_t i) { return std::abs(values[i]); });
-        };
-        const double count = static_cast<double>(point.lam.size() + point.z.size() + point.zb.size());
-        return std::max(100.0, (sum(point.lam) + sum(point.z) + sum(point.zb)) / std::max(count, 1.0)) / 100.0;
-    }
-
-    double complementarity(double mu) const {
-        const double *s = point.s.data(), *z = point.z.data();
-        const double rows = largest_magnitude(point.s.size(), [&](std::size_t i) { return s[i] * z[i] - mu; });
-        const double bounds = largest_magnitude(
-            bounds_.size(), [&](std::size_t i) { return bounds_[i].slack(point.v) * point.zb[i] - mu; });
-        return std::isnan(rows) ? rows : std::max(rows, bounds);
-    }
-
-    // Fills residual_; returns its largest entry among free variables, lines included.
-    double lagrangian_gradient() {
-        std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
-        for (std::size_t i = 0; i < bounds_.size(); ++i)
-            bound_gradient_[bounds_[i].index] -= bounds_[i].side * point.zb[i];
-        assembly_.set_gradient(point.v.data(), values_, 1.0, point.z.data(), bound_gradient_.data(), gradient_);
-        std::fill(residual_.begin(), residual_.end(), 0.0);
-        for (int k = 0; k < problem_.steps; ++k) {
-            const double *g = gradient_.stages.data() + k * S::nw, *lam = point.lam.data() + k * S::nx;
-            const double* F = assembly_.sensitivities.end.data() + k * S::nx * S::na;
-            double a[S::na];
-            for (int c = 0; c < S::na; ++c) {
-                a[c] = g[c];
-                for (int j = 0; j < S::nx; ++j) a[c] += F[j * S::na + c] * lam[j];
-            }
-            for (int i = 0; i < S::nx; ++i) {
-                residual_[layout_.x(k) + i] += a[i];
-                residual_[layout_.x(k + 1) + i] += g[S::na + i] - lam[i];
-            }
-            residual_[layout_.time] += a[S::nx];
-            for (int i = 0; i < S::nu; ++i) residual_[layout_.u(k) + i] += a[S::nz + i];
-        }
-        const auto free = [&](std::size_t i) { return free_[i] * residual_[i]; };
-        return std::max(largest_magnitude(residual_.size(), free), magnitude(gradient_.lines));
-    }
-
-    bool fixed(int index) const {
-        if (index < S::nx) return !std::isnan(problem_.start[index]);
-        const int last = index - layout_.x(problem_.steps);
-        if (last >= 0 && last < S::nx) return !std::isnan(problem_.goal[last]);
-        return index == layout_.time && !problem_.free_time();
-    }
-
-    bool diverged() const {
-        for (double value : point.v)
-            if (!(std::abs(value) < 1e10)) return true;
-        return false;
-    }
-
     // Free mode, LOQO's rule (Vanderbei and Shanno 1999): a tenth of the mean complementarity, less the more alike all
     // products are, more if the smallest lags behind; never far below what stationarity calls for.
     void update_barrier(int iteration) {
@@ -293,8 +149,8 @@ class InteriorPoint {
                                        largest(bounds, -infinity, [&](std::size_t i) { return -of_bound(i); }));
         const double evenness = std::max(least / mean, 1e-4);
         const double lag = std::min(0.05 * (1 - evenness) / evenness, 2.0);
-        double wanted = std::max(0.1 * lag * lag * lag * mean, 1e-2 * mean);
-        wanted = std::max(wanted, std::min(mu_, 1e-4 * stationarity_));
+        double wanted = std::max(0.08 * lag * lag * lag * mean, 1e-2 * mean);
+        wanted = std::max(wanted, std::min(mu_, 5e-3 * stationarity_));
         wanted = std::clamp(wanted, smallest_barrier_of_tolerance * options_.tolerance, 10 * mu_);
         if (wanted == mu_) return;
         mu_ = wanted;
@@ -309,7 +165,8 @@ class InteriorPoint {
             small_violation_ = 1e-4 * std::max(1.0, from.violation);
         }
         set_system();
-        double regularisation = 0;
+        double regularisation = first_regularisation * std::pow(3.0, -record.iteration);
+        if (regularisation < 1e-9) regularisation = 0;
         bool moved = false;
         for (int round = 0; round < 6 && !moved; ++round) {
             if (!factor(regularisation, outcome)) return false;
@@ -330,54 +187,6 @@ class InteriorPoint {
         record.primal_step = alpha_, record.dual_step = dual_alpha_;
         update();
         return true;
-    }
-
-    void set_system() {
-        const double* v = point.v.data();
-        for (int i = 0; i < layout_.rows; ++i) D_[i] = point.z[i] / point.s[i];
-        std::fill(bound_diagonal_.begin(), bound_diagonal_.end(), 0.0);
-        for (std::size_t i = 0; i < bounds_.size(); ++i)
-            bound_diagonal_[bounds_[i].index] += point.zb[i] / bounds_[i].slack(point.v);
-        assembly_.set_hessian(v, values_, D_.data(), point.z.data(), point.lam.data(), bound_diagonal_.data());
-        std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
-        for (const Bound& bound : bounds_) bound_gradient_[bound.index] -= bound.side * mu_ / bound.slack(point.v);
-    }
-
-    // Factorises with at least the given regularisation; raises it until the reduced Hessian is positive definite.
-    bool factor(double& regularisation, Outcome& outcome) {
-        while (true) {
-            ++outcome.factorisations;
-            if (sweep_.factor(assembly_, regularisation, goal_penalty)) break;
-            if (regularisation == 0)
-                regularisation = last_regularisation_ > 0 ? std::max(1e-20, last_regularisation_ / 3) : 1e-4;
-            else
-                regularisation *= last_regularisation_ > 0 ? 8 : 100;
-            if (!(regularisation < 1e12)) return false;
-        }
-        if (regularisation > 0) last_regularisation_ = regularisation;
-        return true;
-    }
-
-    // The Newton step for the given residuals, by the factorisation at hand.
-    void direction(const Vector& rows, const Vector& defects, const Vector& goal, Point& step) {
-        const double* v = point.v.data();
-        const double mu = mu_, *s = point.s.data(), *z = point.z.data(), *D = D_.data(), *r = rows.data();
-        double *b = b_.data(), *ds = step.s.data(), *dz = step.z.data();
-        for (int i = 0; i < layout_.rows; ++i) b[i] = mu / s[i] - D[i] * r[i];
-        assembly_.set_gradient(v, values_, 1.0, b_.data(), bound_gradient_.data(), gradient_);
-        sweep_.solve(assembly_, gradient_, defects.data(), goal.data(), point.nu.data(), goal_penalty, step.v.data(),
-                     step.lam.data(), step.nu.data());
-        for (std::size_t i = 0; i < step.lam.size(); ++i) step.lam[i] -= point.lam[i];
-        for (std::size_t i = 0; i < step.nu.size(); ++i) step.nu[i] -= point.nu[i];
-        assembly_.row_steps(v, values_, step.v.data(), step.s.data());
-        for (int i = 0; i < layout_.rows; ++i) {
-            ds[i] += r[i];
-            dz[i] = (mu - z[i] * ds[i]) / s[i] - z[i];
-        }
-        for (std::size_t i = 0; i < bounds_.size(); ++i) {
-            const double move = bounds_[i].side * step.v[bounds_[i].index];
-            step.zb[i] = (mu_ - point.zb[i] * move) / bounds_[i].slack(point.v) - point.zb[i];
-        }
     }
 
     double boundary_fraction() const { return std::max(0.99, 1 - mu_); }
@@ -500,20 +309,12 @@ class InteriorPoint {
         }
     }
 
-    Problem problem_;
-    Layout layout_;
-    std::vector<Bound> bounds_;
-    Assembly<Model> assembly_;
-    Sweep<Model> sweep_;
     Filter filter_;
     Options options_;
     Point trial_, step_, other_;
-    Values<Model> values_, trial_values_;
-    Gradient gradient_;
-    Vector residual_, D_, b_, row_residual_, corrected_rows_, corrected_defects_, bound_diagonal_, bound_gradient_,
-        goal_residual_, corrected_goal_, free_;
-    double mu_ = 0, violation_ = 0, stationarity_ = 0, complementarity_ = 0, scale_ = 1;
-    double alpha_ = 0, dual_alpha_ = 0, last_regularisation_ = 0, large_violation_ = -1, small_violation_ = 0;
+    Values<Model> trial_values_;
+    Vector corrected_rows_, corrected_defects_, corrected_goal_, samples_;
+    double alpha_ = 0, dual_alpha_ = 0, large_violation_ = -1, small_violation_ = 0;
 };
 
 }  // namespace tightspot::stagewise

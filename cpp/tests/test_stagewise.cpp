@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "check.hpp"
+#include "tightspot/stagewise/generated/single_track.hpp"
+#include "tightspot/stagewise/interior_point.hpp"
+#include "tightspot/stagewise/validate.hpp"
+
+// The sanitizer's allocator tells of every allocation, so that a test can say that solving makes none.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
+                                                         void (*)(const volatile void*));
+static thread_local long allocations = 0;
+static void count_allocation(const volatile void*, std::size_t) { ++allocations; }
+static void ignore_release(const volatile void*) {}
+
+using namespace tightspot::stagewise;
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+const double nan_ = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+using Solver = InteriorPoint<SingleTrack>;
+
+Polygons boxes(const std::vector<std::vector<double>>& all) {  // {x low, x high, y low, y high}
+    Polygons polygons;
+    for (const std::vector<double>& box : all) {
+        for (double x : {box[0], box[1], box[1], box[0]}) polygons.x.push_back(x);
+        for (double y : {box[2], box[2], box[3], box[3]}) polygons.y.push_back(y);
+        polygons.first.push_back(static_cast<int>(polygons.x.size()));
+    }
+    return polygons;
+}
+
+// A car that drives 8 m ahead and 2 m to the left, past boxes.
+Problem problem(int steps, const std::vector<std::vector<double>>& obstacles, int pieces = 1) {
+    Problem p;
+    p.steps = steps;
+    p.widths.assign(steps, 1.0 / steps);
+    p.pieces.assign(steps, pieces), p.substeps.assign(steps, 2);
+    p.parameters = {2.7, 0.6, std::tan(0.6)};
+    p.time_weight = 1, p.input_weights = {1, 2};
+    p.state_low = {-infinity, -infinity, -infinity, -1.5, -0.6}, p.state_high = {infinity, infinity, infinity, 1.5, 0.6};
+    p.input_low = {-1, -0.3}, p.input_high = {1, 0.3};
+    p.time_low = 0.1, p.time_high = 100;
+    p.start = {0, 0, 0, 0, 0}, p.goal = {8, 2, 0, 0, 0};
+    p.parts = boxes({{-1, 3.5, -1, 1}}), p.radii = {3.7};
+    p.obstacles = boxes(obstacles);
+    for (int k = 0; k < steps; ++k) {
+        const double along = 8.0 * (k + 1) / steps;
+        for (int i = 0; i < p.obstacles.size(); ++i) p.pairs.push_back({k, 0, i, {along, -0.5}, 0.05, pieces > 1 ? 0.5 : 0});
+        p.walls.push_back({k, 0, {0, 1}, 6}), p.walls.push_back({k, 0, {1, 0}, 14});
+        for (int s = 0; s <= pieces; ++s) {
+            const int used = pieces > 1 || s == pieces;
+            p.pair_demands.push_back({0.05, pieces > 1 ? 0.5 : 0, used}), p.wall_demands.push_back({0, 0, used});
+        }
+    }
+    return p;
+}
+
+// Straight ahead at 1 m/s, with every obstacle to the right.
+void start(Solver& solver) {
+    const Layout& layout = solver.layout();
+    Vector& v = solver.point.v;
+    std::fill(v.begin(), v.end(), 0.0);
+    for (int k = 0; k <= layout.steps; ++k) {
+        const double share = static_cast<double>(k) / layout.steps;
+        v[layout.x(k)] = 8 * share, v[layout.x(k) + 1] = 2 * share, v[layout.x(k) + 3] = 0.8;
+    }
+    v[layout.time] = 10;
+    for (std::size_t i = 0; i < solver.problem().pairs.size(); ++i) v[layout.aux(static_cast<int>(i))] = pi / 2;
+}
+
+Outcome solve(Problem p, Options options = {}) {
+    Solver solver(std::move(p));
+    start(solver);
+    return solver.solve(options);
+}
+
+}  // namespace
+
+TEST(stagewise_step_derivatives_are_those_of_the_step) {
+    const double x[5] = {1, 2, 0.4, 0.8, -0.3}, u[2] = {0.4, 0.2}, p[3] = {2.7, 0.6, std::tan(0.6)}, h = 0.7;
+    double after[5], shared[SingleTrack::shared], J[30], H[36], moved[5], other[SingleTrack::shared];
+    const double lam[5] = {0.3, -0.7, 1.1, 0.2, 0.5};
+    SingleTrack::step(x, h, u, p, after, shared);
+    SingleTrack::step_jacobian(x, h, u, p, shared, J);
+    SingleTrack::step_hessian(x, h, u, p, shared, lam, H);
+    for (int c = 0; c < 6; ++c) {
+        const double step = 1e-6;
+        double y[5], w[2] = {u[0], u[1]}, g = h, shifted[30];
+        std::copy(x, x + 5, y);
+        (c < 3 ? y[2 + c] : c == 3 ? g : w[c - 4]) += step;
+        SingleTrack::step(y, g, w, p, moved, other);
+        SingleTrack::step_jacobian(y, g, w, p, other, shifted);
+        for (int i = 0; i < 5; ++i) CHECK_CLOSE((moved[i] - after[i]) / step, J[i * 6 + c], 1e-5);
+        for (int r = 0; r < 6; ++r) {
+            double change = 0;
+            for (int i = 0; i < 5; ++i) change += lam[i] * (shifted[i * 6 + r] - J[i * 6 + r]) / step;
+            CHECK_CLOSE(change, H[r * 6 + c], 1e-5);
+        }
+    }
+}
+
+TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
+    const Outcome free = solve(problem(12, {}));
+    CHECK(free.status == Status::solved);
+    const Outcome past = solve(problem(12, {{6, 8, -3, -0.4}}));
+    CHECK(past.status == Status::solved);
+    CHECK(past.objective > free.objective + 1e-3);
+    const Outcome swept = solve(problem(12, {{6, 8, -3, -0.4}}, 3));
+    CHECK(swept.status == Status::solved);
+    CHECK(swept.objective > past.objective);
+}
+
+TEST(stagewise_takes_full_steps_at_the_end) {
+    Solver solver(problem(6, {{6, 8, -3, -0.4}}, 2));
+    start(solver);
+    const Outcome outcome = solver.solve(Options{});
+    CHECK(outcome.status == Status::solved);
+    CHECK(outcome.iterations < 80);
+    const std::size_t n = solver.log.size();
+    CHECK(n == static_cast<std::size_t>(outcome.iterations) + 1);
+    CHECK(solver.log[n - 2].primal_step > 0.9);
+    CHECK(solver.log[n - 1].violation < 1e-8);
+}
+
+TEST(stagewise_is_deterministic_and_safe_in_threads) {
+    const auto run = [](Vector& v) {
+        Solver solver(problem(10, {{6, 8, -3, -0.4}}, 2));
+        start(solver);
+        solver.solve(Options{});
+        v = solver.point.v;
+    };
+    std::vector<Vector> results(4);
+    std::vector<std::thread> threads;
+    for (Vector& result : results) threads.emplace_back(run, std::ref(result));
+    for (std::thread& thread : threads) thread.join();
+    for (const Vector& result : results) CHECK(result == results[0]);
+}
+
+TEST(stagewise_allocates_nothing_while_it_solves) {
+    Solver solver(problem(10, {{6, 8, -3, -0.4}}, 2));
+    start(solver);
+    solver.log.reserve(10001);
+    CHECK(__sanitizer_install_malloc_and_free_hooks(count_allocation, ignore_release) > 0);
+    const long before = allocations;
+    delete new int;
+    CHECK(allocations == before + 1);
+    const Outcome outcome = solver.solve(Options{});
+    CHECK(outcome.status == Status::solved);
+    CHECK(allocations == before + 1);
+}
+
+TEST(stagewise_limits_and_stops) {
+    Options options;
+    options.max_iterations = 3;
+    CHECK(solve(problem(10, {}), options).status == Status::iteration_limit);
+    options.max_iterations = 0;
+    CHECK(solve(problem(10, {}), options).status == Status::iteration_limit);
+    options.max_iterations = 500, options.time_limit = 0;
+    CHECK(solve(problem(10, {}), options).status == Status::time_limit);
+    Solver solver(problem(10, {}));
+    start(solver);
+    const Outcome outcome = solver.solve(Options{}, [](const Record& record) { return record.iteration < 2; });
+    CHECK(outcome.status == Status::stopped);
+    CHECK(outcome.iterations == 2);
+    CHECK(solver.log.size() == 3);
+}
+
+TEST(stagewise_never_calls_the_impossible_solved) {
+    Problem inside = problem(8, {{7, 12, 0, 4}});  // the goal is in the box
+    CHECK(solve(std::move(inside)).status != Status::solved);
+    Problem soon = problem(8, {});  // 8 m in 1 s at 1.5 m/s
+    soon.time_high = 1;
+    CHECK(solve(std::move(soon)).status != Status::solved);
+    Problem closed = problem(8, {{4, 5, -30, 30}});  // across the way
+    CHECK(solve(std::move(closed)).status != Status::solved);
+    for (double bad : {nan_, infinity, 1e200}) {
+        Solver solver(problem(8, {{6, 8, -3, -0.4}}));
+        start(solver);
+        solver.point.v[7] = bad;
+        CHECK(solver.solve(Options{}).status != Status::solved);
+    }
+}
+
+TEST(stagewise_survives_degenerate_problems) {
+    CHECK(solve(problem(1, {})).status != Status::solved);  // one interval cannot do it
+    Problem same = problem(8, {{6, 8, -3, -0.4}, {6, 8, -3, -0.4}, {6, 8, -3, -0.4}});  // coincident obstacles
+    CHECK(solve(std::move(same)).status == Status::solved);
+    Problem point = problem(8, {});
+    point.obstacles.x = {4}, point.obstacles.y = {-0.9}, point.obstacles.first = {0, 1};
+    for (int k = 0; k < 8; ++k) point.pairs.push_back({k, 0, 0, {0, 0}, 0.05, 0});
+    CHECK(solve(std::move(point)).status == Status::solved);
+    Problem still = problem(4, {});  // nowhere to go
+    still.goal = still.start;
+    const Outcome outcome = solve(std::move(still));
+    CHECK(outcome.status == Status::solved);
+    CHECK_CLOSE(outcome.objective, 0.1, 1e-4);
+    Problem fixed = problem(10, {});
+    fixed.time_low = fixed.time_high = 12;
+    CHECK(solve(std::move(fixed)).status == Status::solved);
+    Problem loose = problem(10, {});
+    loose.start = {0, 0, nan_, nan_, nan_}, loose.goal = {8, nan_, nan_, nan_, nan_};
+    CHECK(solve(std::move(loose)).status == Status::solved);
+}
+
+TEST(stagewise_names_what_cannot_be_used) {
+    const auto wrong = [](void (*spoil)(Problem&)) {
+        Problem p = problem(4, {{6, 8, -3, -0.4}});
+        spoil(p);
+        return flaw(p, 5, 2, 3);
+    };
+    CHECK(flaw(problem(4, {{6, 8, -3, -0.4}}), 5, 2, 3).empty());
+    CHECK(wrong([](Problem& p) { p.steps = 0; }) == "widths");
+    CHECK(wrong([](Problem& p) { p.widths[1] = nan_; }) == "widths");
+    CHECK(wrong([](Problem& p) { p.pieces[0] = 0; }) == "pieces");
+    CHECK(wrong([](Problem& p) { p.substeps.pop_back(); }) == "substeps");
+    CHECK(wrong([](Problem& p) { p.state_low[3] = p.state_high[3]; }) == "state bounds");
+    CHECK(wrong([](Problem& p) { p.time_high = nan_; }) == "final time bounds");
+    CHECK(wrong([](Problem& p) { p.goal.pop_back(); }) == "goal");
+    CHECK(wrong([](Problem& p) { p.pairs[2].obstacle = 1; }) == "pairs");
+    CHECK(wrong([](Problem& p) { p.pairs[2].interval = 9; }) == "pairs");
+    CHECK(wrong([](Problem& p) { std::swap(p.walls.front(), p.walls.back()); }) == "walls");
+    CHECK(wrong([](Problem& p) { p.obstacles.x[1] = infinity; }) == "obstacle_vertices");
+    CHECK(wrong([](Problem& p) { p.pair_demands.pop_back(); }) == "pair_demands");
+    CHECK(wrong([](Problem& p) { p.wall_demands[1].constant = nan_; }) == "wall_demands");
+}
