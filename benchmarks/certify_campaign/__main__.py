@@ -26,6 +26,7 @@ from benchmarks.plan_scenes import RESULTS, machine
 from benchmarks.random_scenes import random_scene
 
 SCENES_A_WORKER = 50
+SECONDS_BEYOND = 30.0
 
 
 def campaign(options: argparse.Namespace, rows_file: Path) -> dict[int, dict[str, Any]]:
@@ -37,7 +38,9 @@ def campaign(options: argparse.Namespace, rows_file: Path) -> dict[int, dict[str
     context = multiprocessing.get_context("spawn")
     with ProcessPool(max_workers=options.jobs, max_tasks=SCENES_A_WORKER, context=context) as pool:
         arguments = [(options.seed, index, options.limit, str(options.output)) for index in todo]
-        futures = [pool.schedule(run_scene, args=each, timeout=1.5 * options.limit + 30) for each in arguments]
+        futures = [
+            pool.schedule(run_scene, args=each, timeout=1.5 * options.limit + SECONDS_BEYOND) for each in arguments
+        ]
         for done, (index, future) in enumerate(zip(todo, futures, strict=True), 1):
             try:
                 row = future.result()

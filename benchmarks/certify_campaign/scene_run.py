@@ -65,11 +65,8 @@ def _questioned(judged: Judged) -> dict[str, Any]:
 
 
 def _kind(error: PlanningError) -> str:
-    """What stopped the planner: no guess, the solver, or the judge."""
-    rounds = error.report.get("rounds", [])
-    if not rounds:
-        return "no path"
-    return "not certified" if rounds[-1]["clearance"] is not None or rounds[-1]["witness"] else "solver"
+    """The planner's own word for what stopped it."""
+    return error.explanation.kind.word.replace("-", " ") if error.explanation else "unexplained"
 
 
 def _facts(report: dict[str, Any]) -> dict[str, Any]:
