@@ -50,7 +50,7 @@ Problem problem(int steps, const std::vector<std::vector<double>>& obstacles, in
     p.obstacles = boxes(obstacles);
     for (int k = 0; k < steps; ++k) {
         const double along = 8.0 * (k + 1) / steps;
-        for (int i = 0; i < p.obstacles.size(); ++i) p.pairs.push_back({k, 0, i, {along, -0.5}, 0.05, pieces > 1 ? 0.5 : 0});
+        for (int i = 0; i < p.obstacles.size(); ++i) p.pairs.push_back({k, 0, i, {along, 3}, 0.05, pieces > 1 ? 0.5 : 0});
         p.walls.push_back({k, 0, {0, 1}, 6}), p.walls.push_back({k, 0, {1, 0}, 14});
         for (int s = 0; s <= pieces; ++s) {
             const int used = pieces > 1 || s == pieces;
@@ -60,7 +60,7 @@ Problem problem(int steps, const std::vector<std::vector<double>>& obstacles, in
     return p;
 }
 
-// Straight ahead at 1 m/s, with every obstacle to the right.
+// Straight to the goal, with every obstacle to the left.
 void start(Solver& solver) {
     const Layout& layout = solver.layout();
     Vector& v = solver.point.v;
@@ -70,7 +70,7 @@ void start(Solver& solver) {
         v[layout.x(k)] = 8 * share, v[layout.x(k) + 1] = 2 * share, v[layout.x(k) + 3] = 0.8;
     }
     v[layout.time] = 10;
-    for (std::size_t i = 0; i < solver.problem().pairs.size(); ++i) v[layout.aux(static_cast<int>(i))] = pi / 2;
+    for (std::size_t i = 0; i < solver.problem().pairs.size(); ++i) v[layout.aux(static_cast<int>(i))] = -pi / 2;
 }
 
 Outcome solve(Problem p, Options options = {}) {
@@ -107,16 +107,16 @@ TEST(stagewise_step_derivatives_are_those_of_the_step) {
 TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
     const Outcome free = solve(problem(12, {}));
     CHECK(free.status == Status::solved);
-    const Outcome past = solve(problem(12, {{6, 8, -3, -0.4}}));
+    const Outcome past = solve(problem(12, {{5, 9, 3.2, 5}}));
     CHECK(past.status == Status::solved);
     CHECK(past.objective > free.objective + 1e-3);
-    const Outcome swept = solve(problem(12, {{6, 8, -3, -0.4}}, 3));
+    const Outcome swept = solve(problem(12, {{5, 9, 3.2, 5}}, 3));
     CHECK(swept.status == Status::solved);
     CHECK(swept.objective > past.objective);
 }
 
 TEST(stagewise_takes_full_steps_at_the_end) {
-    Solver solver(problem(6, {{6, 8, -3, -0.4}}, 2));
+    Solver solver(problem(12, {{5, 9, 3.2, 5}}, 2));
     start(solver);
     const Outcome outcome = solver.solve(Options{});
     CHECK(outcome.status == Status::solved);
@@ -129,7 +129,7 @@ TEST(stagewise_takes_full_steps_at_the_end) {
 
 TEST(stagewise_is_deterministic_and_safe_in_threads) {
     const auto run = [](Vector& v) {
-        Solver solver(problem(10, {{6, 8, -3, -0.4}}, 2));
+        Solver solver(problem(10, {{5, 9, 3.2, 5}}, 2));
         start(solver);
         solver.solve(Options{});
         v = solver.point.v;
@@ -142,7 +142,7 @@ TEST(stagewise_is_deterministic_and_safe_in_threads) {
 }
 
 TEST(stagewise_allocates_nothing_while_it_solves) {
-    Solver solver(problem(10, {{6, 8, -3, -0.4}}, 2));
+    Solver solver(problem(10, {{5, 9, 3.2, 5}}, 2));
     start(solver);
     solver.log.reserve(10001);
     CHECK(__sanitizer_install_malloc_and_free_hooks(count_allocation, ignore_release) > 0);
@@ -179,7 +179,7 @@ TEST(stagewise_never_calls_the_impossible_solved) {
     Problem closed = problem(8, {{4, 5, -30, 30}});  // across the way
     CHECK(solve(std::move(closed)).status != Status::solved);
     for (double bad : {nan_, infinity, 1e200}) {
-        Solver solver(problem(8, {{6, 8, -3, -0.4}}));
+        Solver solver(problem(8, {{5, 9, 3.2, 5}}));
         start(solver);
         solver.point.v[7] = bad;
         CHECK(solver.solve(Options{}).status != Status::solved);
@@ -188,10 +188,10 @@ TEST(stagewise_never_calls_the_impossible_solved) {
 
 TEST(stagewise_survives_degenerate_problems) {
     CHECK(solve(problem(1, {})).status != Status::solved);  // one interval cannot do it
-    Problem same = problem(8, {{6, 8, -3, -0.4}, {6, 8, -3, -0.4}, {6, 8, -3, -0.4}});  // coincident obstacles
+    Problem same = problem(8, {{5, 9, 3.2, 5}, {5, 9, 3.2, 5}, {5, 9, 3.2, 5}});  // coincident obstacles
     CHECK(solve(std::move(same)).status == Status::solved);
     Problem point = problem(8, {});
-    point.obstacles.x = {4}, point.obstacles.y = {-0.9}, point.obstacles.first = {0, 1};
+    point.obstacles.x = {7}, point.obstacles.y = {3.2}, point.obstacles.first = {0, 1};
     for (int k = 0; k < 8; ++k) point.pairs.push_back({k, 0, 0, {0, 0}, 0.05, 0});
     CHECK(solve(std::move(point)).status == Status::solved);
     Problem still = problem(4, {});  // nowhere to go
@@ -209,11 +209,11 @@ TEST(stagewise_survives_degenerate_problems) {
 
 TEST(stagewise_names_what_cannot_be_used) {
     const auto wrong = [](void (*spoil)(Problem&)) {
-        Problem p = problem(4, {{6, 8, -3, -0.4}});
+        Problem p = problem(4, {{5, 9, 3.2, 5}});
         spoil(p);
         return flaw(p, 5, 2, 3);
     };
-    CHECK(flaw(problem(4, {{6, 8, -3, -0.4}}), 5, 2, 3).empty());
+    CHECK(flaw(problem(4, {{5, 9, 3.2, 5}}), 5, 2, 3).empty());
     CHECK(wrong([](Problem& p) { p.steps = 0; }) == "widths");
     CHECK(wrong([](Problem& p) { p.widths[1] = nan_; }) == "widths");
     CHECK(wrong([](Problem& p) { p.pieces[0] = 0; }) == "pieces");
