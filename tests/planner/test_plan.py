@@ -122,11 +122,13 @@ def test_the_default_solver_is_the_stagewise_one_and_falls_back_to_ipopt(monkeyp
     assert {entry["solve"]["solver"] for entry in rounds} == {"stagewise"}
     assert all(entry["fell_back_from"] == [] for entry in rounds)
     monkeypatch.setattr("tightspot.planner.request.Stagewise", lambda: Stagewise(max_iterations=2))
-    entry = tightspot.plan("oblique").report["rounds"][0]
+    entry = tightspot.plan("oblique", effort="fast").report["rounds"][0]
     assert entry["solve"]["solver"] == "ipopt"
     (failed,) = entry["fell_back_from"]
     assert failed["solver"] == "stagewise"
     assert failed["status"] == "ITERATION_LIMIT"
+    tried = tightspot.plan("oblique", guess="hybrid-astar", effort="balanced").report["tried"]
+    assert tried[-1]["guess"] == "hybrid-astar, ipopt", "when all else fails"
 
 
 def test_a_formulation_without_lines_is_solved_by_ipopt() -> None:

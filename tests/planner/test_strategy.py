@@ -8,9 +8,9 @@ import numpy as np
 
 from tightspot.formulations import SeparatingLine, SweptLine, UnitNormalLine
 from tightspot.guesses import GivenPath, LinearInterpolation
+from tightspot.planner.pairs import Room
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Mesh, Round, Step, run_round
-from tightspot.planner.pairs import Room
 from tightspot.planner.strategy import (
     EXTRA,
     FAILED_SOLVES,

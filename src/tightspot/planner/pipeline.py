@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from tightspot.errors import BlockedError, PlanningError
+from tightspot.errors import BlockedError, InputError, PlanningError, Problem
 from tightspot.formulations import Formulation
-from tightspot.guesses import Guess, GuessResult
-from tightspot.planner.course import run_rounds
+from tightspot.guesses import Guess
 from tightspot.planner.explain import SECONDS, explain_blocked, explain_no_guess, explain_rounds
 from tightspot.planner.explanation import Explanation
 from tightspot.planner.mesh import gear_changes, path_length
-from tightspot.planner.progress import Progress, ProgressCallback
+from tightspot.planner.portfolio import EFFORTS, Course, run_portfolio
+from tightspot.planner.progress import ProgressCallback
 from tightspot.planner.request import Request, resolve, resolve_vehicle
 from tightspot.planner.rounds import Round
 from tightspot.scenarios import Scenario, load
@@ -39,6 +39,7 @@ def plan(
     margin: float | None = None,
     refinements: int = 8,
     time_limit: float = 60.0,
+    effort: str = "balanced",
     explain: bool = False,
     progress: ProgressCallback | None = None,
 ) -> Plan:
@@ -59,6 +60,9 @@ def plan(
         margin: Demanded clearance, m; default: the scenario's.
         refinements: Largest number of re-solves.
         time_limit: No new round begins after this many seconds, and the solver is given what is left of them.
+        effort: ``fast``: one guess. ``balanced``: if that fails, other guesses and meshes, until one is certified.
+            ``best``: all of them, on all cores; the certified plan with the smallest J. The report's ``tried`` lists
+            them.
         explain: If there is no plan, find out what would pass: plan it from other guesses, with less margin and with a
             narrower body, for about a minute more. Nothing changes if there is a plan.
         progress: Called with news while it works.
@@ -74,6 +78,9 @@ def plan(
             ``explanation``: why, with numbers, and what to change.
     """
     started = time.perf_counter()
+    chosen = next((known for known in EFFORTS if known == effort), None)
+    if chosen is None:
+        raise InputError(Problem("effort", f"{effort!r} is not known; choose one of {', '.join(EFFORTS)}"))
     tell = progress or (lambda news: None)
     seconds = SECONDS if explain else None
     scene = scenario if isinstance(scenario, Scenario) else load(scenario)
@@ -87,43 +94,47 @@ def plan(
         car = resolve_vehicle(scene, vehicle)
         error.explanation = explain_blocked(error, scene, car, resolved, tell, seconds)
         raise
-    tell(Progress("guess", f"initial guess by {request.guess.name}"))
-    found = request.guess.make(request.scenario, request.vehicle, margin=request.margin)
-    guessed = time.perf_counter() - started
-    if found.trajectory is None:
-        report = {"guess": found.report, "rounds": []}
-        raise _failure(explain_no_guess(request, found, tell, seconds), [], report)
-    rounds = run_rounds(request, found.trajectory, tell, started + time_limit)
-    report = _report(request, found, rounds, guessed, time.perf_counter() - started)
-    last = rounds[-1]
+    tried = run_portfolio(request, chosen, tell, started + time_limit)
+    course = tried[-1]
+    report = _report(request, tried, time.perf_counter() - started)
+    if not course.rounds:
+        raise _failure(explain_no_guess(request, course.found, tell, seconds), [], report)
+    last = course.rounds[-1]
     if last.certificate is None or not last.certificate.certified:
-        raise _failure(explain_rounds(request, rounds, tell, seconds), rounds, report)
+        raise _failure(explain_rounds(request, course.rounds, tell, seconds), course.rounds, report)
     return Plan(request.scenario, request.vehicle, last.trajectory, last.certificate, report)
 
 
-def _report(request: Request, found: GuessResult, rounds: list[Round], guessed: float, total: float) -> dict[str, Any]:
-    last = rounds[-1]
-    return {
-        "objective": {
-            "value": request.objective.value(last.trajectory.t, last.trajectory.inputs),
-            "time_weight": request.objective.time_weight,
-            "input_weights": list(request.objective.input_weights),
-            "energy": request.objective.energy.value,
-        },
+def _report(request: Request, tried: list[Course], total: float) -> dict[str, Any]:
+    course = tried[-1]
+    found = course.found
+    report: dict[str, Any] = {
         "formulation": request.formulation.name,
-        "guess": {"name": request.guess.name, "reason": found.reason, "seconds": guessed, **found.report},
+        "guess": {"name": course.member.name, "reason": found.reason, "seconds": course.guess_seconds, **found.report},
         "solver": request.solver.name,
         "margin": request.margin,
-        "duration": last.trajectory.duration,
-        "path_length": path_length(last.trajectory),
-        "gear_changes": gear_changes(last.trajectory),
-        "rounds": [outcome.to_dict() for outcome in rounds],
+        "rounds": [outcome.to_dict() for outcome in course.rounds],
+        "tried": [other.to_dict(request) for other in tried],
         "seconds": total,
         "versions": {
             "python": platform.python_version(),
             "numpy": np.__version__,
             "casadi": metadata.version("casadi"),
         },
+    }
+    if not course.rounds:
+        return report
+    trajectory = course.rounds[-1].trajectory
+    return report | {
+        "objective": {
+            "value": course.objective(request),
+            "time_weight": request.objective.time_weight,
+            "input_weights": list(request.objective.input_weights),
+            "energy": request.objective.energy.value,
+        },
+        "duration": trajectory.duration,
+        "path_length": path_length(trajectory),
+        "gear_changes": gear_changes(trajectory),
     }
 
 

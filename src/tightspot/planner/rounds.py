@@ -156,11 +156,11 @@ def run_round(request: Request, step: Step, number: int, progress: ProgressCallb
     pairs = int(mesh.active.sum())
     progress(Progress("solve", f"{mesh.grid.steps} intervals, {pairs} pairs of parts near each other", number))
     settings = _settings(request, mesh)
+    arguments = request.scenario, request.vehicle, step.start, settings
 
     @cache
     def program() -> Transcription:
-        masks = {"active": mesh.active, "walls": mesh.walls}
-        return transcribe(request.scenario, request.vehicle, step.start, settings, grid=mesh.grid, **masks)
+        return transcribe(*arguments, grid=mesh.grid, active=mesh.active, walls=mesh.walls)
 
     def watch(iteration: Iteration) -> None:
         progress(Progress("solve", f"iteration {iteration.number}", number, iteration))
@@ -193,8 +193,8 @@ def _solved(
     if not isinstance(solver, Stagewise):
         warm = carry_over(before.transcription, before.report, program()) if before else None
         return solver.solve(program().nlp, warm=warm, callback=watch)
-    masks = {"active": mesh.active, "walls": mesh.walls}
-    problem = stage_problem(request.scenario, request.vehicle, step.start, settings, grid=mesh.grid, **masks)
+    arguments = request.scenario, request.vehicle, step.start, settings
+    problem = stage_problem(*arguments, grid=mesh.grid, active=mesh.active, walls=mesh.walls)
     if before is not None and isinstance(before.report, StageReport):
         problem = carry_lines(before.mesh.grid, before.report, problem)
     return solver.solve_stages(problem, callback=watch)

@@ -1,0 +1,201 @@
+"""Several guesses for one request: what to try, in which order, on how many cores.
+
+A course is one guess and the rounds that begin with it. Guesses differ in the way round the obstacles and in where the
+gears change, and so do the optima that they lead to.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from tightspot.errors import TightspotError
+from tightspot.guesses import Guess, GuessResult, HybridAStar, LinearInterpolation
+from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
+from tightspot.planner.course import certified, run_rounds
+from tightspot.planner.mesh import steps_for
+from tightspot.planner.progress import Progress, ProgressCallback
+from tightspot.planner.request import Request
+from tightspot.planner.rounds import Round
+from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions
+from tightspot.solvers import Stagewise
+
+Effort = Literal["fast", "balanced", "best"]
+EFFORTS: tuple[Effort, ...] = ("fast", "balanced", "best")
+
+SEARCH_SECONDS = 3.0
+COURSE_SECONDS = 10.0
+POLL_SECONDS = 0.1
+
+
+@dataclass(frozen=True)
+class Member:
+    """What may be tried: a guess, and a factor on the number of intervals that it suggests."""
+
+    name: str
+    guess: Guess
+    finer: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What came of a member.
+
+    Attributes:
+        member: What was tried.
+        found: The guess.
+        rounds: From it; empty if there is no guess.
+        guess_seconds: Time for the guess.
+        seconds: Time for all.
+    """
+
+    member: Member
+    found: GuessResult
+    rounds: list[Round]
+    guess_seconds: float
+    seconds: float
+
+    @property
+    def certified(self) -> bool:
+        """Whether it ended with a certified trajectory."""
+        return bool(self.rounds) and certified(self.rounds)
+
+    def objective(self, request: Request) -> float:
+        """J of the last trajectory."""
+        last = self.rounds[-1].trajectory
+        return request.objective.value(last.t, last.inputs)
+
+    def to_dict(self, request: Request) -> dict[str, Any]:
+        """One line of the report's list of what was tried."""
+        last = self.rounds[-1] if self.rounds else None
+        return {
+            "guess": self.member.name,
+            "certified": self.certified,
+            "objective": self.objective(request) if self.certified else None,
+            "rounds": len(self.rounds),
+            "status": last.report.status.name if last else "NO_GUESS",
+            "reason": self.found.reason,
+            "seconds": self.seconds,
+        }
+
+
+def members_of(request: Request) -> list[Member]:
+    """What to try, the most promising first. A guess that was asked for is kept to; only its mesh varies."""
+    chosen = Member(request.guess.name, request.guess)
+    finer = Member(f"{request.guess.name}, more intervals", request.guess, finer=1.6)
+    if request.guess != HybridAStar():
+        return [chosen, finer]
+    variants: dict[str, dict[str, Any]] = {
+        "from the wider end": {"directions": (Direction.WIDE_END, Direction.TIGHT_END)},
+        "few gear changes": {"gear_change": 10.0},
+        "many gear changes": {"gear_change": 0.3, "steering_change": 0.1},
+        "finer": {"resolutions": (MEDIUM, FINE, FINEST), "steering_levels": 9},
+        "forwards": {"reverse": 3.0},
+        "no more than the margin": {"margins": (request.margin, request.margin / 2)},
+    }
+    searches = [Member(f"hybrid-astar, {name}", _search(request, **options)) for name, options in variants.items()]
+    return [chosen, finer, *searches, Member("linear", LinearInterpolation())]
+
+
+def _search(request: Request, **options: Any) -> HybridAStar:
+    margins = (*(request.margin + more for more in MORE_THAN_MARGIN), request.margin / 2)
+    common: dict[str, Any] = {"margins": tuple(dict.fromkeys(margins)), "resolutions": (COARSE, MEDIUM, FINE)}
+    return HybridAStar(HybridAStarOptions(**(common | options), time_limit=SEARCH_SECONDS))
+
+
+def run_course(request: Request, member: Member, tell: ProgressCallback, deadline: float) -> Course:
+    """The member's guess, then rounds until one is certified or nothing is left to try."""
+    started = time.perf_counter()
+    tell(Progress("guess", f"initial guess by {member.name}"))
+    found = member.guess.make(request.scenario, request.vehicle, margin=request.margin)
+    guessed = time.perf_counter() - started
+    rounds: list[Round] = []
+    if found.trajectory is not None:
+        if member.finer != 1.0:
+            steps = int(member.finer * (request.steps or steps_for(found.trajectory)))
+            request = replace(request, steps=steps)
+        rounds = run_rounds(request, found.trajectory, tell, deadline)
+    return Course(member, found, rounds, guessed, time.perf_counter() - started)
+
+
+def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, deadline: float) -> list[Course]:
+    """Courses in the order tried; the last one is the answer: a certified one if there is any.
+
+    ``fast``: the first member with all solvers. ``balanced``: the first member with the first solver, then the others
+    on all cores until one is certified, then the first once more with the fall-back solvers. ``best``: all members on
+    all cores; the certified one with the smallest J.
+    """
+    members = members_of(request)
+    if effort == "fast":
+        return [run_course(request, members[0], tell, deadline)]
+    quick = replace(request, fallbacks=()) if request.fallbacks else request
+    tried: list[Course] = []
+    if effort == "balanced":
+        tried = [run_course(quick, members[0], tell, deadline)]
+        if tried[0].certified or _hopeless(tried[0]):
+            return tried
+        members = members[1:]
+    tried += _on_all_cores(quick, members, tell, deadline, stop_at_first=effort == "balanced")
+    good = [course for course in tried if course.certified]
+    if good:
+        best = min(good, key=lambda course: course.objective(request))
+        return [*(course for course in tried if course is not best), best]
+    if request.fallbacks and time.perf_counter() < deadline:
+        first = next((course.member for course in tried if course.rounds), members_of(request)[0])
+        slow = replace(request, solver=request.fallbacks[0], fallbacks=request.fallbacks[1:])
+        tried.append(run_course(slow, replace(first, name=f"{first.name}, {slow.solver.name}"), tell, deadline))
+    elif tried:
+        tried.sort(key=lambda course: bool(course.rounds))
+    return tried
+
+
+def _hopeless(course: Course) -> bool:
+    """The search proved that there is no way, whatever the guess."""
+    result = course.found.details
+    return course.found.trajectory is None and bool(getattr(result, "is_proof", False))
+
+
+def _on_all_cores(
+    request: Request, members: Sequence[Member], tell: ProgressCallback, deadline: float, *, stop_at_first: bool
+) -> list[Course]:
+    """Courses as they end. The search and the stagewise solver run beside each other, other solvers do not."""
+    cores = min(os.cpu_count() or 1, len(members)) if isinstance(request.solver, Stagewise) else 1
+    done: list[Course] = []
+    waiting = list(members)
+    if cores == 1:
+        while waiting and time.perf_counter() < deadline and not (stop_at_first and _any_certified(done)):
+            done += _attempt(request, waiting.pop(0), tell, deadline)
+        return done
+    running: set[Future[list[Course]]] = set()
+    with ThreadPoolExecutor(cores) as pool:
+        while waiting or running:
+            while waiting and len(running) < cores and time.perf_counter() < deadline:
+                running.add(pool.submit(_attempt, request, waiting.pop(0), _quietly, deadline))
+            if not running:
+                break
+            ended, running = wait(running, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
+            done += [course for future in ended for course in future.result()]
+            tell(Progress("guess", f"{len(done)} of {len(members)} other ways tried"))
+            if stop_at_first and _any_certified(done):
+                waiting = []
+    return done
+
+
+def _any_certified(courses: Sequence[Course]) -> bool:
+    return any(course.certified for course in courses)
+
+
+def _quietly(news: Progress) -> None:
+    """Progress of courses that run beside each other is not told: it would be a medley."""
+
+
+def _attempt(request: Request, member: Member, tell: ProgressCallback, deadline: float) -> list[Course]:
+    """The member's course; nothing if its guess cannot be made for this vehicle."""
+    try:
+        return [run_course(request, member, tell, min(deadline, time.perf_counter() + COURSE_SECONDS))]
+    except TightspotError:
+        return []
