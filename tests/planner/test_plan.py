@@ -94,7 +94,7 @@ def test_no_path_is_an_answer_with_what_was_tried() -> None:
 
 def test_a_failed_solve_is_never_a_plan() -> None:
     with pytest.raises(PlanningError) as failure:
-        tightspot.plan("oblique", solver=Ipopt(max_iterations=2))
+        tightspot.plan("oblique", solver=Ipopt(max_iterations=2), effort="fast")
     assert "iteration limit" in failure.value.reason
     assert "separation" in failure.value.reason or "dynamics" in failure.value.reason
     assert failure.value.trajectory is not None
