@@ -1,10 +1,13 @@
 """The replay against closed forms, its own convergence order and a far finer integration."""
 
+import copy
+
 import numpy as np
 import pytest
 
 from tightspot.errors import InputError
 from tightspot.trajectory import Trajectory
+from tightspot.vehicles import vehicle
 from tightspot.verification import replay
 
 
@@ -95,3 +98,36 @@ def test_wrong_columns_are_refused(kit):
     trajectory = Trajectory([0, 1], np.zeros((2, 3)), np.zeros((1, 1)), ("x", "y", "theta"), ("v",))
     with pytest.raises(InputError, match="state_names"):
         replay(kit.box_car(), trajectory)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_all_times_at_once_are_the_steps_one_after_the_other(seed: int) -> None:
+    """The cascade of the single-track model is summed, other models are stepped: the same scheme."""
+    rng = np.random.default_rng(seed)
+    t = np.concatenate([[0.0], np.cumsum(rng.uniform(0.05, 2.0, 12))])
+    inputs = rng.uniform([-1.0, -0.05], [1.0, 0.05], (12, 2))
+    states = np.zeros((13, 5))
+    states[0] = rng.uniform([-50, -50, -3, -1, -0.5], [50, 50, 3, 1, 0.5])
+    drive = Trajectory(t, states, inputs)
+    car = vehicle("paper")
+    stepped = copy.copy(car)
+    object.__setattr__(stepped, "cascade", ())
+    at_once, one_by_one = replay(car, drive), replay(stepped, drive)
+    assert (at_once.substeps == one_by_one.substeps).all()
+    np.testing.assert_allclose(at_once.node_states, one_by_one.node_states, rtol=0, atol=1e-11)
+    assert at_once.position_error == pytest.approx(one_by_one.position_error, rel=1e-3)
+
+
+def test_the_cascade_names_every_state_once_and_looks_back_only() -> None:
+    car = vehicle("paper")
+    assert sorted(i for group in car.cascade for i in group) == list(range(car.n_states))
+    rng = np.random.default_rng(0)
+    state, control = rng.uniform(-0.5, 0.5, car.n_states), [0.3, -0.2]
+    known: set[int] = set()
+    for group in car.cascade:
+        for later in set(range(car.n_states)) - known:
+            moved = state.copy()
+            moved[later] += 0.1
+            before, after = (car.dynamics(list(at), control, np) for at in (state, moved))
+            assert all(before[i] == after[i] for i in group)
+        known |= set(group)

@@ -69,6 +69,9 @@ class VehicleModel(ABC):
     state_units: tuple[str, ...]
     input_names: tuple[str, ...]
     input_units: tuple[str, ...]
+    cascade: tuple[tuple[int, ...], ...] = ()
+    """Groups of states, all of them, such that a group's rates depend on the inputs and on groups before it only. Then
+    all times can be integrated at once. Empty if the dynamics are not of this kind."""
 
     @property
     @abstractmethod

@@ -62,6 +62,7 @@ class SingleTrack(VehicleModel):
     state_units = ("m", "m", "rad", "m/s", "rad")
     input_names = ("a", "omega")
     input_units = ("m/s^2", "rad/s")
+    cascade = ((3, 4), (2,), (0, 1))
 
     def __post_init__(self) -> None:
         problems = _problems(self)

@@ -169,6 +169,8 @@ def _nodes(t: Array, steps: NDArray[np.intp]) -> Array:
 
 def _integrate(vehicle: VehicleModel, trajectory: Trajectory, steps: NDArray[np.intp]) -> Array:
     """States after every step, shape (sum(steps)+1, n_x); NaN where the motion leaves the finite numbers."""
+    if vehicle.cascade:
+        return _integrate_cascade(vehicle, trajectory, steps)
     states = np.full((int(steps.sum()) + 1, vehicle.n_states), np.nan)
     state: Sequence[Any] = trajectory.states[0].tolist()
     states[0], row = state, 0
@@ -183,6 +185,23 @@ def _integrate(vehicle: VehicleModel, trajectory: Trajectory, steps: NDArray[np.
     except (OverflowError, ValueError):  # how the math module answers infinity
         pass
     return states
+
+
+def _integrate_cascade(vehicle: VehicleModel, trajectory: Trajectory, steps: NDArray[np.intp]) -> Array:
+    """The same steps of the same scheme, all at once: group after group of the cascade is a sum of known rates."""
+    h = np.repeat(np.diff(trajectory.t) / steps, steps)
+    control = list(np.repeat(trajectory.inputs, steps, axis=0).T)
+    nodes = np.zeros((vehicle.n_states, h.size + 1))
+    stages = np.zeros((4, vehicle.n_states, h.size))
+    with np.errstate(all="ignore"):
+        for group in vehicle.cascade:
+            rates = [vehicle.dynamics(list(stage), control, np) for stage in stages]
+            for i in group:
+                k1, k2, k3, k4 = (np.broadcast_to(rate[i], h.shape) for rate in rates)
+                increments = h / 6 * (k1 + 2 * (k2 + k3) + k4)
+                nodes[i] = np.cumsum(np.concatenate([trajectory.states[0, i : i + 1], increments]))
+                stages[:, i] = nodes[i, :-1] + np.stack([np.zeros_like(h), 0.5 * h * k1, 0.5 * h * k2, h * k3])
+    return np.ascontiguousarray(nodes.T)
 
 
 def _rk4(vehicle: VehicleModel, state: Sequence[Any], control: Sequence[Any], h: Any, ns: Any) -> list[Any]:
