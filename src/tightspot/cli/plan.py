@@ -37,7 +37,9 @@ def plan_command(
     guess: Annotated[
         str | None, typer.Option(metavar="NAME", help="Default: hybrid-astar; a wrong name lists all.")
     ] = None,
-    solver: Annotated[str | None, typer.Option(metavar="NAME", help="Default: ipopt; a wrong name lists all.")] = None,
+    solver: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Default: stagewise, then ipopt; a wrong name lists all.")
+    ] = None,
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="Intervals to begin with; default: from the guess.")
     ] = None,
@@ -52,6 +54,10 @@ def plan_command(
     time_limit: Annotated[
         float | None,
         typer.Option(metavar="SECONDS", help="No new attempt begins after this; default: 60."),
+    ] = None,
+    effort: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="fast: one guess; balanced (default): until one is certified; best: all."),
     ] = None,
     explain: Annotated[
         bool,
@@ -82,6 +88,7 @@ def plan_command(
         "steps": steps,
         "margin": margin,
         **({} if time_limit is None else {"time_limit": time_limit}),
+        **({} if effort is None else {"effort": effort}),
         **({"explain": True} if explain else {}),
     }
     try:

@@ -29,9 +29,12 @@ def summary_table(plan: Plan) -> Table:
     table.add_row("steps", str(plan.trajectory.steps))
     table.add_row("objective", f"{objective['value']:.4f} (weight {objective['time_weight']:g} on time)")
     table.add_row("clearance", _clearance(plan.certificate))
-    table.add_row("method", f"{report['formulation']} from {report['guess']['name']}, {report['solver']}")
-    iterations = sum(entry["solve"]["iterations"] for entry in rounds)
-    table.add_row("rounds", f"{len(rounds)} ({iterations} iterations)")
+    table.add_row("method", f"{report['formulation']} from {report['guess']['name']}, {rounds[-1]['solve']['solver']}")
+    for number, entry in enumerate(rounds, start=1):
+        table.add_row("rounds" if number == 1 else "", f"{number}: {_round(entry)}")
+    if len(report["tried"]) > 1:
+        good = sum(entry["certified"] for entry in report["tried"])
+        table.add_row("tried", f"{len(report['tried'])} guesses, {good} certified")
     table.add_row("time", f"{report['seconds']:.2f} s ({report['guess']['seconds']:.2f} s for the guess)")
     return table
 
@@ -61,9 +64,27 @@ def plan_facts(plan: Plan) -> dict[str, Any]:
         "steps": plan.trajectory.steps,
         "objective": report["objective"]["value"],
         "rounds": len(report["rounds"]),
+        "course": [_round_facts(entry) for entry in report["rounds"]],
+        "tried": report["tried"],
         "seconds": report["seconds"],
         "certificate": certificate_facts(plan.certificate),
     }
+
+
+def _round(entry: dict[str, Any]) -> str:
+    """What a round solved and what it cost."""
+    solve, ms = entry["solve"], {key: f"{1000 * value:.0f} ms" for key, value in entry["timings"].items()}
+    fallen = "".join(f" after {report['solver']} failed" for report in entry["fell_back_from"])
+    what = f"{entry['formulation']}, {entry['steps']} intervals"
+    how = f"{solve['iterations']} iterations of {solve['solver']}{fallen}"
+    cost = f"set-up {ms['set_up']}, solve {ms['solve']}, judge {ms['judge']}"
+    return f"{what}: {how}; {cost}; {'certified' if entry['certified'] else 'not certified'}"
+
+
+def _round_facts(entry: dict[str, Any]) -> dict[str, Any]:
+    facts = {key: entry[key] for key in ("reason", "formulation", "steps", "pairs", "certified", "timings")}
+    solve = {key: entry["solve"][key] for key in ("solver", "status", "iterations", "objective")}
+    return facts | solve | {"fell_back_from": [report["solver"] for report in entry["fell_back_from"]]}
 
 
 def _clearance(certificate: Certificate) -> str:
