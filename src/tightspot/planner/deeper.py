@@ -10,7 +10,7 @@ import numpy as np
 
 from tightspot.errors import VehicleError
 from tightspot.formulations import SweptLine
-from tightspot.planner.attempts import Attempts, Start
+from tightspot.planner.attempts import Attempts, Start, least_penetration
 from tightspot.planner.passing import Deeper, Passing, Verdict, largest
 from tightspot.planner.penetration import Penetration
 from tightspot.planner.progress import Progress, ProgressCallback
@@ -25,9 +25,9 @@ PATIENCE_AS_IT_IS = 12.0
 
 
 def deeper_analysis(
-    request: Request, starts: list[Start], least: Penetration | None, tell: ProgressCallback, deadline: float
-) -> Deeper:
-    """First the scene as it is from other starts; if that fails, less margin, then less width.
+    request: Request, starts: list[Start], tell: ProgressCallback, deadline: float
+) -> tuple[Deeper, Penetration | None]:
+    """First the scene as it is from other starts; if that fails, the least penetration, less margin, less width.
 
     The attempts are made with the planner's default formulation, solver and number of steps, whatever failed: the
     question is what the scene and the vehicle allow.
@@ -35,25 +35,27 @@ def deeper_analysis(
     Args:
         request: What failed.
         starts: Trajectories that may collide.
-        least: The trajectory that penetrates least, if any.
         tell: Told what is tried and what came of it.
         deadline: By the clock of :func:`time.perf_counter`, s. The margin may take half of what is left.
     """
     began = time.perf_counter()
     changes = differences(request)
     request = with_defaults(request)
-    if least is not None:
-        starts = [Start("minimum penetration", least.trajectory), *starts]
     attempts = Attempts(request, starts, tell, deadline)
     tell(Progress("explain", "the scene as it is, from other guesses"))
     if attempts.verdict(request, PATIENCE_AS_IT_IS) == "passes" and attempts.found is not None:
         name, trajectory = attempts.found
-        return Deeper(other_start=name, changes=changes, trajectory=trajectory, seconds=time.perf_counter() - began)
+        spent = time.perf_counter() - began
+        return Deeper(other_start=name, changes=changes, trajectory=trajectory, seconds=spent), None
+    tell(Progress("explain", "the trajectory that penetrates least"))
+    least = least_penetration(request, starts, deadline)
+    if least is not None:
+        attempts.starts = [Start("minimum penetration", least.trajectory), *starts]
     attempts.deadline = (time.perf_counter() + deadline) / 2
     margin = _largest_margin(request, attempts)
     attempts.found, attempts.deadline = None, deadline
     width = _largest_width(request, attempts)
-    return Deeper(margin=margin, width=width, seconds=time.perf_counter() - began)
+    return Deeper(margin=margin, width=width, seconds=time.perf_counter() - began), least
 
 
 def with_defaults(request: Request) -> Request:

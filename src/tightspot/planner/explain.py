@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tightspot.errors import BlockedError, InputError, PlanningError
+from tightspot.errors import BlockedError, InputError
 from tightspot.guesses import GuessResult, HybridAStar
-from tightspot.planner.attempts import PENETRATION_SECONDS, Attempts, Start, colliding_starts, least_penetration
+from tightspot.planner.attempts import PENETRATION_SECONDS, Attempts, colliding_starts, least_penetration
 from tightspot.planner.deeper import deeper_analysis, with_defaults
 from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.passing import Deeper
@@ -113,9 +113,7 @@ def explain_no_guess(
     deeper, least = None, None
     if seconds is not None:
         deadline = time.perf_counter() + seconds
-        starts = colliding_starts(request, None)
-        least = _least(with_defaults(request), starts, tell, deadline)
-        deeper = deeper_analysis(request, starts, least, tell, deadline)
+        deeper, least = deeper_analysis(request, colliding_starts(request, None), tell, deadline)
     if narrow is not None or reach is not None:
         sentence, remedy = path_words(request, narrow, reach, deeper)
     else:
@@ -148,7 +146,7 @@ def _not_certified(request: Request, rounds: list[Round], tell: ProgressCallback
     if seconds is not None:
         deadline = time.perf_counter() + seconds
         starts = colliding_starts(request, last.trajectory)
-        deeper = deeper_analysis(request, starts, None, tell, deadline)
+        deeper, _ = deeper_analysis(request, starts, tell, deadline)
     sentence, remedy = certificate_words(request, rounds, deeper)
     return Explanation(
         FailureKind.NOT_CERTIFIED,
@@ -174,10 +172,10 @@ def _not_solved(request: Request, rounds: list[Round], tell: ProgressCallback, s
     gave_up = any(report.status is SolveStatus.INFEASIBLE for report in reports)
     if seconds is not None:
         deadline = time.perf_counter() + seconds
-        least = _least(with_defaults(request), starts, tell, deadline)
-        deeper = deeper_analysis(request, starts, least, tell, deadline)
+        deeper, least = deeper_analysis(request, starts, tell, deadline)
     elif gave_up or narrow is not None:
-        least = _least(request, starts[:2], tell, time.perf_counter() + PENETRATION_SECONDS)
+        tell(Progress("explain", "the trajectory that penetrates least"))
+        least = least_penetration(request, starts[:2], time.perf_counter() + PENETRATION_SECONDS)
     near = None if least is None else too_near(least, request.margin)
     trajectory: Trajectory = last.trajectory
     witness = stop.witness
@@ -209,14 +207,6 @@ def too_near(least: Penetration, margin: float) -> Contact | None:
     if nearest is None or -nearest.depth >= margin - CLOSE_ENOUGH:
         return None
     return nearest
-
-
-def _least(request: Request, starts: list[Start], tell: ProgressCallback, deadline: float) -> Penetration | None:
-    tell(Progress("explain", "the trajectory that penetrates least"))
-    try:
-        return least_penetration(request, starts, deadline)
-    except PlanningError:
-        return None
 
 
 def _witness(contact: Contact) -> Witness:

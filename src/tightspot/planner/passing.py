@@ -130,12 +130,13 @@ def largest(
         high = 1000 * impossible
     passing: int | None = None
     tries = 0
-    in_time = True
+    in_time, beside_bound = True, is_proof
     while in_time and (high > low if passing is None else high - passing > step):
         if passing is not None:
             value = int(passing + high) // 2
         else:
-            value = max(low, int(high) - step) if tries == 0 and is_proof else low
+            value = max(low, int(high) - step) if beside_bound else low
+            beside_bound = False
         verdict = attempt(value / 1000)
         tries += verdict in ("passes", "fails")
         if verdict == "passes":

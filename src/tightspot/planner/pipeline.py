@@ -14,13 +14,14 @@ from tightspot.errors import BlockedError, InputError, PlanningError, Problem
 from tightspot.formulations import Formulation
 from tightspot.guesses import Guess
 from tightspot.planner.explain import SECONDS, explain_blocked, explain_no_guess, explain_rounds
-from tightspot.planner.explanation import Explanation
+from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.mesh import gear_changes, path_length
 from tightspot.planner.portfolio import EFFORTS, Course, run_portfolio
 from tightspot.planner.progress import ProgressCallback
 from tightspot.planner.request import Request, resolve, resolve_vehicle
 from tightspot.planner.rounds import Round
 from tightspot.scenarios import Scenario, load
+from tightspot.search import SearchResult
 from tightspot.solvers import Solver
 from tightspot.transcription import Objective
 from tightspot.vehicles import VehicleModel
@@ -97,11 +98,9 @@ def plan(
     tried = run_portfolio(request, chosen, tell, started + time_limit)
     course = tried[-1]
     report = _report(request, tried, time.perf_counter() - started)
-    if not course.rounds:
-        raise _failure(explain_no_guess(request, course.found, tell, seconds), [], report)
-    last = course.rounds[-1]
-    if last.certificate is None or not last.certificate.certified:
-        raise _failure(explain_rounds(request, course.rounds, tell, seconds), course.rounds, report)
+    last = course.rounds[-1] if course.rounds else None
+    if last is None or last.certificate is None or not last.certificate.certified:
+        raise _failure(_explained(request, tried, tell, seconds), course.rounds, report)
     return Plan(request.scenario, request.vehicle, last.trajectory, last.certificate, report)
 
 
@@ -138,9 +137,19 @@ def _report(request: Request, tried: list[Course], total: float) -> dict[str, An
     }
 
 
+def _explained(request: Request, tried: list[Course], tell: ProgressCallback, seconds: float | None) -> Explanation:
+    """Why nothing was certified: there is no path, unless a search found one; or what the last course came to."""
+    searched = [course for course in tried if isinstance(course.found.details, SearchResult)]
+    if searched and not any(course.rounds for course in searched):
+        return explain_no_guess(request, searched[0].found, tell, seconds)
+    if not tried[-1].rounds:
+        return explain_no_guess(request, tried[-1].found, tell, seconds)
+    return explain_rounds(request, tried[-1].rounds, tell, seconds)
+
+
 def _failure(explanation: Explanation, rounds: list[Round], report: dict[str, Any]) -> PlanningError:
     """The exception that says why, with the last iterate and the witness."""
-    last = rounds[-1] if rounds else None
+    last = rounds[-1] if rounds and explanation.kind is not FailureKind.NO_PATH else None
     return PlanningError(
         f"{explanation.sentence} {explanation.remedy}",
         trajectory=last.trajectory if last else None,

@@ -50,7 +50,8 @@ def path_words(
         found = _search_words(reach)
         where = f"around the {reach.enclosed}" if reach.enclosed else "ahead of that pose"
     other = "--guess linear, which needs no path" if request.guess.name != "linear" else "another guess"
-    return f"{found}{came}.", _asked(f"Make room {where}, ask for a smaller margin, or try {other}.", deeper)
+    longer = "" if reach is None or reach.is_exhaustive else ", let the search run longer (its HybridAStarOptions)"
+    return f"{found}{came}.", _asked(f"Make room {where}, ask for a smaller margin{longer}, or try {other}.", deeper)
 
 
 def _search_words(reach: Reach) -> str:
@@ -81,6 +82,9 @@ def solver_words(
         found += f" The worst constraint is {stop.worst}"
         if stop.worst.kind == "dynamics" and stop.tightest is not None:
             found += f"; after it, {stop.tightest}"
+        elif stop.worst.kind == "dynamics" and stop.nearest is not None:
+            name, near = labels(request.scenario)[stop.nearest.obstacle], stop.nearest
+            found += f"; the nearest obstacle is {name!r}, {near.clearance:.3f} m away at {near.time:.2f} s"
         found += "."
     if narrow is not None:
         return f"{found} There can be none: {narrow.describe(offset)}.", _widen(request, narrow, deeper)

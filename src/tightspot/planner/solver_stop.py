@@ -62,7 +62,8 @@ class SolverStop:
         tightest: The constraint on clearance of an obstacle or on W that is violated most, or ``None``.
         pose: (x m, y m, theta rad) of the last iterate at the end of the time of ``worst``, in the scenario's
             coordinates; ``None`` without ``worst``.
-        witness: Where the last iterate's knots come nearest to an obstacle, if that is nearer than the margin.
+        nearest: Where the last iterate's knots come nearest to an obstacle; ``None`` without obstacles.
+        margin: Demanded clearance, m.
     """
 
     status: SolveStatus
@@ -72,7 +73,13 @@ class SolverStop:
     worst: WorstConstraint | None
     tightest: WorstConstraint | None
     pose: tuple[float, float, float] | None
-    witness: Witness | None
+    nearest: Witness | None
+    margin: float
+
+    @property
+    def witness(self) -> Witness | None:
+        """:attr:`nearest`, if it is nearer than the margin."""
+        return self.nearest if self.nearest is not None and self.nearest.clearance < self.margin else None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data."""
@@ -101,7 +108,8 @@ def solver_stop(request: Request, rounds: list[Round]) -> SolverStop:
         worst=worst,
         tightest=_worst(request, last, [block for block in blocks if block.kind != "dynamics"]),
         pose=None if knot is None else _pose(last.trajectory.states[knot]),
-        witness=_nearest(request, last),
+        nearest=_nearest(request, last),
+        margin=request.margin,
     )
 
 
@@ -131,8 +139,6 @@ def _nearest(request: Request, last: Round) -> Witness | None:
         return None
     k, i, j = (int(index) for index in np.unravel_index(int(clear.argmin()), clear.shape))
     value = float(clear[k, i, j])
-    if value >= request.margin:
-        return None
     obstacle = request.scenario.obstacle_parts[j][0]
     kind = "collision" if value < 0 else "margin"
     return Witness(float(last.trajectory.t[k]), request.vehicle.parts[i].name, obstacle, value, _pose(states[k]), kind)

@@ -196,5 +196,5 @@ def _beside(scenario: Scenario, place: Array, radius: float) -> tuple[str, ...]:
         name = names[part_name]
         distances[name] = min(distances.get(name, np.inf), float(polygon.to_shapely().distance(point)))
     distances[WORKSPACE] = float((scenario.workspace.b - scenario.workspace.A @ place).min())
-    near = sorted(distances, key=lambda name: distances[name])[:2]
+    near = sorted(distances, key=lambda name: round(distances[name], 2))[:2]  # of equals the first in the scene
     return tuple(name for name in near if distances[name] <= _BESIDE * radius + 0.05)
