@@ -24,7 +24,7 @@ FOLDER = Path(__file__).parent / "include" / "tightspot" / "stagewise" / "genera
 
 _BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _COMMUTES = (ca.OP_ADD, ca.OP_MUL)
-_SHARED = {ca.OP_SIN: "std::sin", ca.OP_COS: "std::cos"}
+_SHARED = (ca.OP_SIN, ca.OP_COS)
 
 
 @dataclass(frozen=True)
@@ -132,19 +132,25 @@ class Printer:
             binary = ca.OP_MUL if operation == ca.OP_SQ else ca.OP_ADD
             return self.number(binary, arguments[0], arguments[0])
         if operation == ca.OP_INV:
-            return self.number(ca.OP_DIV, self.number("constant", 1.0), arguments[0])
-        divisor = self.keys[arguments[1]] if operation == ca.OP_DIV else ("",)
-        if divisor[0] == "constant":
-            operation, arguments = ca.OP_MUL, [arguments[0], self.number("constant", 1.0 / divisor[1])]
+            return self._reciprocal(arguments[0])
+        if operation == ca.OP_DIV:
+            operation, arguments = ca.OP_MUL, [arguments[0], self._reciprocal(arguments[1])]
         known = {*_BINARY, *_SHARED, ca.OP_SQRT, ca.OP_NEG}
         if operation not in known:
             raise NotImplementedError(f"CasADi operation {operation} has no C++ text here; add it to the printer")
         return self.number(operation, *(sorted(arguments) if operation in _COMMUTES else arguments))
 
+    def _reciprocal(self, number: int) -> int:
+        """Divisions are dear: one for each divisor."""
+        key = self.keys[number]
+        if key[0] == "constant":
+            return self.number("constant", 1.0 / key[1])
+        return self.number(ca.OP_DIV, self.number("constant", 1.0), number)
+
     def share(self, entries: Iterable[int]) -> None:
-        """Sines and cosines among the entries' ancestors are to be computed once."""
+        """Sines, cosines and reciprocals among the entries' ancestors are to be computed once."""
         for number in self._ancestors(entries, stop=False):
-            if self.keys[number][0] in _SHARED:
+            if self.keys[number][0] in (*_SHARED, ca.OP_DIV):
                 self.shared.setdefault(number, len(self.shared))
 
     def _ancestors(self, entries: Iterable[int], stop: bool) -> list[int]:
@@ -165,8 +171,12 @@ class Printer:
         """Statements that compute the outputs; the ``first`` function fills the shared values."""
         wanted = [entry for _, entries in outputs for entry in entries]
         wanted += list(self.shared) if first else []
-        lines = []
+        lines: list[str] = []
+        done: set[int] = set()
         for number in self._ancestors(wanted, stop=not first):
+            if first and self.keys[number][0] in _SHARED:
+                lines += self._pair(number, done)
+                continue
             text = self._text(number, first)
             if text:
                 lines.append(f"const double a{number} = {text};")
@@ -175,6 +185,16 @@ class Printer:
         if first:
             lines += [f"shared[{place}] = a{number};" for number, place in self.shared.items()]
         return lines
+
+    def _pair(self, number: int, done: set[int]) -> list[str]:
+        """Sine and cosine of one angle, together, unless they are there already."""
+        angle = self.keys[number][1]
+        if angle in done:
+            return []
+        done.add(angle)
+        sine, cosine = self.number(ca.OP_SIN, angle), self.number(ca.OP_COS, angle)
+        call = f"sine_cosine({self._name(angle)}, a{sine}, a{cosine});"
+        return [f"double a{sine}, a{cosine};", call]
 
     def _name(self, number: int) -> str:
         if number < 0:
@@ -195,7 +215,7 @@ class Printer:
             return f"{names[0]} {_BINARY[key[0]]} {names[1]}"
         if key[0] == ca.OP_NEG:
             return f"-{names[0]}"
-        return f"{_SHARED.get(key[0], 'std::sqrt')}({names[0]})"
+        return f"std::sqrt({names[0]})"
 
 
 def _step(model: Symbolic) -> tuple[list[str], int]:
@@ -212,7 +232,7 @@ def _step(model: Symbolic) -> tuple[list[str], int]:
     inputs = [("x", x), ("h", h), ("u", u), ("p", model.parameters), ("lam", multipliers)]
     value = printer.read(inputs, after)
     first = printer.read(inputs, jacobian.T)
-    second = printer.read(inputs, hessian)
+    second = _upper(printer.read(inputs, hessian), inner.numel())
     printer.share([*value, *first, *second])
     common = "const double* x, double h, const double* u, const double* p"
     text = _function("step", f"{common}, double* after, double* shared", printer.body([("after", value)], True))
@@ -234,11 +254,17 @@ def _cover(model: Symbolic) -> list[str]:
     inputs = [("x", x), ("h", h), ("u", u), ("p", model.parameters), ("rho", rho), ("poses", poses)]
     printer = Printer()
     value = printer.read(inputs, cover)
-    derivatives = [("gradient", printer.read(inputs, gradient)), ("H", printer.read(inputs, hessian))]
+    second = _upper(printer.read(inputs, hessian), nx + 1 + nu)
+    derivatives = [("gradient", printer.read(inputs, gradient)), ("H", second)]
     common = "const double* x, double h, const double* u, const double* p, double rho, double poses"
     text = _function("cover", f"{common}, double* value", printer.body([("value", value)], False))
     arguments = f"{common}, double* gradient, double* H"
     return text + _function("cover_derivatives", arguments, printer.body(derivatives, False))
+
+
+def _upper(hessian: list[int], n: int) -> list[int]:
+    """The same symmetric matrix, with both halves from one, so that the other need not be computed."""
+    return [hessian[min(i, j) * n + max(i, j)] for i in range(n) for j in range(n)]
 
 
 def _function(name: str, arguments: str, lines: list[str]) -> list[str]:
@@ -264,6 +290,8 @@ def header(model: Symbolic) -> str:
         "",
         "#include <cmath>",
         "",
+        '#include "tightspot/stagewise/sine_cosine.hpp"',
+        "",
         "namespace tightspot::stagewise {",
         "",
         f"// Parameters p: {model.meaning}.",
@@ -271,7 +299,7 @@ def header(model: Symbolic) -> str:
         f"    static constexpr int states = {nx}, inputs = {nu}, parameters = {model.parameters.numel()};",
         f"    static constexpr int shared = {shared};",
         "",
-        "    // One Runge-Kutta step of h seconds. Derivatives are with respect to (x[2], ..., h, u): J by rows, H full.",
+        "    // One Runge-Kutta step of h seconds. Derivatives: with respect to (x[2], ..., h, u); J by rows, H full.",
         *step,
         "    // The cover of an interval of h seconds with middle state x. Derivatives: with respect to (x, h, u).",
         *_cover(model)[:-1],

@@ -246,5 +246,10 @@ NB_MODULE(_core, m) {
     bind_reeds_shepp(m);
     bind_checker(m);
     bind_search(m);
-    bind_stagewise(m);
+#ifdef TIGHTSPOT_HAS_V3
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        bind_stagewise_v3(m);
+    else
+#endif
+        bind_stagewise(m);
 }

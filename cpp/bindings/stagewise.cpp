@@ -253,7 +253,11 @@ void bind_model(nb::module_& m, const char* name) {
 
 }  // namespace
 
-void bind_stagewise(nb::module_& m) {
+#ifndef TIGHTSPOT_BIND_STAGEWISE
+#define TIGHTSPOT_BIND_STAGEWISE bind_stagewise
+#endif
+
+void TIGHTSPOT_BIND_STAGEWISE(nb::module_& m) {
     nb::class_<Options>(m, "StagewiseOptions")
         .def(nb::init<>())
         .def_rw("tolerance", &Options::tolerance)

@@ -116,7 +116,7 @@ TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
 }
 
 TEST(stagewise_takes_full_steps_at_the_end) {
-    Solver solver(problem(12, {{5, 9, 3.2, 5}}, 2));
+    Solver solver(problem(12, {{5, 9, 3.2, 5}}, 3));
     start(solver);
     const Outcome outcome = solver.solve(Options{});
     CHECK(outcome.status == Status::solved);

@@ -98,9 +98,7 @@ def test_same_objective_rows_and_derivatives(member, changes):
     lam = rng.normal(size=problem.steps * 5)
     z = rng.uniform(0.1, 2.0, order.rows.size)
     core = core_solver(problem).derivatives(v, lam, z)
-    point = order.point(
-        CorePoint(v, z, lam, np.zeros(y.numel()), core["rows"], np.zeros(z.size), core["defects"])
-    )
+    point = order.point(CorePoint(v, z, lam, np.zeros(y.numel()), core["rows"], np.zeros(z.size), core["defects"]))
     lam_g = point.lam_g.copy()
     lam_g[order.units] = 0.0
     lagrangian = nlp.f + ca.dot(ca.DM(lam_g), nlp.g)

@@ -148,7 +148,7 @@ class Stagewise(Solver):
         """
         started = time.perf_counter()
         core = core_solver(problem)
-        options = self._options(problem, warm)
+        options = self.options(warm=warm is not None)
         core.set(problem.starting_point() if warm is None else warm.v)
         if warm is not None:
             core.set_multipliers(warm.s, warm.z, warm.zb, warm.lam, warm.nu)
@@ -173,13 +173,14 @@ class Stagewise(Solver):
         with ThreadPoolExecutor(threads) as pool:
             return list(pool.map(self.solve_stages, problems))
 
-    def _options(self, problem: StageProblem, warm: StagePoint | None) -> Any:
+    def options(self, *, warm: bool = False) -> Any:
+        """The core's options, for those who call it directly (see :func:`core_solver`)."""
         options = _core().StagewiseOptions()
         options.tolerance, options.max_iterations = self.tolerance, self.max_iterations
         options.time_limit = self.time_limit
         if self.initial_barrier is not None:
             options.initial_barrier = self.initial_barrier
-        options.warm = warm is not None
+        options.warm = warm
         return options
 
     def _report(self, problem: StageProblem, answer: dict[str, Any], timings: dict[str, float]) -> StageReport:

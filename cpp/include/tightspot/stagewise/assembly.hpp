@@ -39,8 +39,7 @@ class Assembly {
     // All values at a point.
     void evaluate(const double* v, Values<Model>& out) const {
         for (std::size_t i = 0; i < problem_.pairs.size(); ++i) {
-            const double phi = v[layout_.aux(static_cast<int>(i))];
-            out.normals[2 * i] = std::cos(phi), out.normals[2 * i + 1] = std::sin(phi);
+            sine_cosine(v[layout_.aux(static_cast<int>(i))], out.normals[2 * i + 1], out.normals[2 * i]);
         }
         const int parts = problem_.parts.size();
         for (int k = 0; k < problem_.steps; ++k) {

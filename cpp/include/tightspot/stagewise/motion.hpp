@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tightspot/stagewise/problem.hpp"
+#include "tightspot/stagewise/sine_cosine.hpp"
 #include "tightspot/stagewise/sizes.hpp"
 
 namespace tightspot::stagewise {
@@ -15,7 +16,9 @@ struct SamplePose {
 };
 
 inline SamplePose pose_of(const double* state) {
-    return {state[0], state[1], state[2], std::cos(state[2]), std::sin(state[2])};
+    SamplePose pose{state[0], state[1], state[2], 1, 0};
+    sine_cosine(pose.theta, pose.sin, pose.cos);
+    return pose;
 }
 
 // What the value of the problem's functions at one point consists of.
