@@ -21,13 +21,16 @@ from tightspot.planner.mesh import steps_for
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
-from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions
+from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, Resolution, SearchResult
 from tightspot.solvers import Stagewise
 
 Effort = Literal["fast", "balanced", "best"]
 EFFORTS: tuple[Effort, ...] = ("fast", "balanced", "best")
 
-SEARCH_SECONDS = 3.0
+ULTRA = Resolution("ultra", cell=0.0125, heading_bins=720, step=0.03, max_expansions=300_000)
+"""Beside a kerb only small steering angles and short steps are free."""
+
+SEARCH_SECONDS = 5.0
 COURSE_SECONDS = 10.0
 POLL_SECONDS = 0.1
 
@@ -89,13 +92,14 @@ def members_of(request: Request) -> list[Member]:
     finer = Member(f"{request.guess.name}, more intervals", request.guess, finer=1.6)
     if request.guess != HybridAStar():
         return [chosen, finer]
+    bare = {"margins": tuple(dict.fromkeys((request.margin, request.margin / 2)))}
     variants: dict[str, dict[str, Any]] = {
         "from the wider end": {"directions": (Direction.WIDE_END, Direction.TIGHT_END)},
         "few gear changes": {"gear_change": 10.0},
         "many gear changes": {"gear_change": 0.3, "steering_change": 0.1},
-        "finer": {"resolutions": (MEDIUM, FINE, FINEST), "steering_levels": 9},
+        "small steering angles": {"resolutions": (FINE, FINEST, ULTRA), "steering_levels": 9, **bare},
         "forwards": {"reverse": 3.0},
-        "no more than the margin": {"margins": (request.margin, request.margin / 2)},
+        "no more than the margin": bare,
     }
     searches = [Member(f"hybrid-astar, {name}", _search(request, **options)) for name, options in variants.items()]
     return [chosen, finer, *searches, Member("linear", LinearInterpolation())]
@@ -154,9 +158,9 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
 
 
 def _hopeless(course: Course) -> bool:
-    """The search proved that there is no way, whatever the guess."""
+    """It is proved that there is no way, whatever the guess."""
     result = course.found.details
-    return course.found.trajectory is None and bool(getattr(result, "is_proof", False))
+    return isinstance(result, SearchResult) and result.path is None and (result.is_proof or result.is_hopeless)
 
 
 def _on_all_cores(

@@ -18,13 +18,15 @@ from tightspot.planner.mesh import covers_of, poses_for, poses_on, steps_for
 from tightspot.planner.pairs import Room
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Mesh, Round, Step
+from tightspot.solvers import Stagewise
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid, resample
 from tightspot.verification import Certificate
 from tightspot.verification.replay import Replay
 
 REACH, WALL_REACH = 2.0, 4.0
-FEW_PAIRS = 100
+FAR = 8.0
+FEW_PAIRS, MANY_PAIRS = 100, 5000
 NEAR, DEEP, HOPELESS = 0.15, 0.1, 0.6
 AGAIN = 1
 EXTRA = 0.002
@@ -73,25 +75,22 @@ def _uniform(request: Request, formulation: Formulation, guess: Trajectory, step
     grid = TimeGrid.uniform(steps)
     room = Room.of_guess(guess, grid, request.scenario, request.vehicle)
     poses = (poses_for(formulation, guess, request.vehicle, steps),) * steps
-    small = room.obstacles.size <= FEW_PAIRS and formulation.holds == "knots"
-    active = room.obstacles < (np.inf if small else REACH)
-    return Mesh(formulation, grid, poses, EXTRA, _with_neighbours(active), np.ones_like(room.walls, bool))
+    return Mesh(formulation, grid, poses, EXTRA, _within_reach(request, room), np.ones_like(room.walls, bool))
 
 
 def between_the_knots(request: Request, last: Round, motion: Replay, room: Room) -> Step:
     """From a solution that is free at the knots to the demanded member, on a mesh that is finer where it is near.
 
     Intervals with less than ``NEAR`` to spare are halved, those too near by more than ``DEEP`` quartered. Pairs within
-    reach of the motion are in the problem, the more the further it has to move.
+    reach of the motion are in the problem.
     """
     spare = room.spare(request.margin)
-    reach = min(REACH, 1.0 + 3 * max(0.0, -room.deepest))
     pieces = _pieces(spare)
     mesh = replace(
         last.mesh,
         formulation=request.formulation,
-        active=_with_neighbours(room.obstacles < reach),
-        walls=_with_neighbours(room.walls < WALL_REACH),
+        active=_within_reach(request, room),
+        walls=_walls_within_reach(request, room),
     ).cut(pieces)
     start = on_grid(motion, mesh.grid)
     poses = poses_on(request.formulation, covers_of(start, request.vehicle), np.repeat(spare, pieces))
@@ -106,7 +105,7 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
 
 def _again(request: Request, last: Round, motion: Replay, room: Room) -> Step:
     """Once more at the knots, on a mesh that is finer where the motion collides: cheap, and a better start."""
-    near = replace(last.mesh, active=last.mesh.active | _with_neighbours(room.obstacles < REACH))
+    near = replace(last.mesh, active=last.mesh.active | _within_reach(request, room))
     mesh = near.cut(_pieces(room.spare(request.margin)))
     news = f"collides between the knots; {mesh.grid.steps} intervals"
     return Step(mesh, on_grid(motion, mesh.grid), "again", news, last)
@@ -163,14 +162,33 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
         short[:] = True
     near = replace(
         mesh,
-        active=mesh.active | _with_neighbours(clear < REACH),
-        walls=mesh.walls | _with_neighbours(room.walls < WALL_REACH),
+        active=mesh.active | _within_reach(request, room),
+        walls=mesh.walls | _walls_within_reach(request, room),
     )
     finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
     if number <= 3 and finer.grid.steps > mesh.grid.steps:
         return finer
     deficit = request.margin - float(clear.min(initial=np.inf))
     return replace(finer, extra=float(min(mesh.extra + np.clip(deficit / 2, 0.002, 0.02), LARGEST_EXTRA)))
+
+
+def _within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
+    """Pairs that enter the problem: those that the motion might come near to once it is optimised.
+
+    For the stagewise solver a pair costs little, and a motion that goes astray through one that is missing costs much:
+    all within ``FAR``, unless they are too many. For others those within ``REACH``, or all if they are few.
+    """
+    near: NDArray[np.bool_] = room.obstacles < REACH
+    if isinstance(request.solver, Stagewise):
+        far = room.obstacles < FAR
+        return _with_neighbours(far if far.sum() <= MANY_PAIRS else near)
+    return np.ones_like(near) if near.size <= FEW_PAIRS else _with_neighbours(near)
+
+
+def _walls_within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
+    if isinstance(request.solver, Stagewise):
+        return np.ones_like(room.walls, bool)
+    return _with_neighbours(room.walls < WALL_REACH)
 
 
 def _with_neighbours(active: NDArray[np.bool_]) -> NDArray[np.bool_]:
