@@ -8,6 +8,7 @@ line decide; and only in the places listed in ``HARMLESS``.
 import copy
 import dataclasses
 import fnmatch
+import functools
 import json
 import math
 import random
@@ -92,15 +93,21 @@ def files():
 
 def answer(data):
     """The checker's answer about a file's object."""
-    plan = Plan.from_dict(data)
+    return checked(Plan.from_dict(data))
+
+
+def checked(plan):
     return check_certificate(plan.scenario, plan.vehicle, plan.trajectory, plan.certificate)
 
 
 def forged(data):
     """The object with its digest computed anew, from what the reader makes of it."""
-    written = Plan.from_dict(data).to_dict()
-    data["certificate"]["digest"] = digest(*(written[key] for key in SECTIONS))
+    data["certificate"]["digest"] = new_digest(Plan.from_dict(data).to_dict())
     return data
+
+
+def new_digest(written):
+    return digest(*(written[key] for key in SECTIONS))
 
 
 # The oracle: does the file say the truth?
@@ -109,8 +116,8 @@ def forged(data):
 def claims_hold(data):
     """Whether everything that the certificate claims is true, by an integration and a geometry not our own."""
     plan = Plan.from_dict(data)
-    written, claim = plan.to_dict(), plan.certificate
-    fine = replay(written)
+    claim, written = plan.certificate, plan.to_dict()
+    fine, rows = replayed(json.dumps({key: written[key] for key in SECTIONS[:3]}), tuple(plan.scenario.offset))
     promised = max(claim.margin, claim.clearance if plan.scenario.obstacles else 0.0)
     start = [abs(a - b) for a, b in zip(plan.trajectory.states[0], plan.scenario.start, strict=True)]
     values = {check.name: check.value for check in claim.checks}
@@ -121,14 +128,20 @@ def claims_hold(data):
         and max(start) < 2e-6
         and abs(values["goal position"] - fine.goal_position) < 1e-6
         and abs(values["goal heading"] - fine.goal_heading) < 1e-6
-        and lines_hold(plan, written)
+        and lines_hold(plan, rows)
     )
 
 
-def lines_hold(plan, written):
+@functools.lru_cache(maxsize=8)
+def replayed(text, origin):
+    """The replay of a file without its certificate, and the motion in steps of 1 ms relative to the origin."""
+    file = json.loads(text)
+    return replay(file), integrate(file, np.array(origin))[0]
+
+
+def lines_hold(plan, rows):
     """Whether each line separates what it says by as much as it says, in a hundred samples of each interval."""
-    bodies = {part["name"]: np.array(part["vertices"]) for part in written["vehicle"]["body"]}
-    rows, _ = integrate(written, np.array(plan.scenario.offset))
+    bodies = {part.name: part.polygon.vertices for part in plan.vehicle.parts}
     obstacles = dict(plan.scenario.obstacle_parts)
     for proof in plan.certificate.pairs:
         corners = obstacles[proof.obstacle].vertices
@@ -225,15 +238,16 @@ def survivors(data, paths, choose=lambda values: values):
         for value in choose(alterations(at(data, path))):
             file = altered(data, path, value)
             try:
-                written = Plan.from_dict(file).to_dict()
+                plan = Plan.from_dict(file)
             except TightspotError:
                 continue
+            written = plan.to_dict()
             if written == original:
                 continue
-            if answer(file).ok:
+            if checked(plan).ok:
                 yield path, value, "old digest"
-            file = {**file, "certificate": dict(file["certificate"])}
-            if path != ("certificate", "digest") and answer(forged(file)).ok:
+            certificate = dataclasses.replace(plan.certificate, digest=new_digest(written))
+            if path != ("certificate", "digest") and checked(dataclasses.replace(plan, certificate=certificate)).ok:
                 yield path, value, "true" if claims_hold(file) else "false"
 
 
@@ -256,12 +270,12 @@ def test_an_altered_field_is_rejected_or_leaves_the_claim_true(files, name, sect
 
 
 @pytest.mark.slow
-def test_every_alteration_of_every_field_is_rejected_or_leaves_the_claim_true(files):
-    data = files["three-part"]
+def test_every_field_altered_once_is_rejected_or_leaves_the_claim_true(files):
+    """Every number, text, list and object of a file, each altered in one way."""
+    rng, data = random.Random(2), files["three-part"]
     paths = [path for path in places(data, ends_only=False) if path[0] in SECTIONS]
-    passed = {pattern(path) for path, _, _ in assert_rejected_or_true(data, paths)}
-    unused = {known for known in HARMLESS if not any(fnmatch.fnmatchcase(path, known) for path in passed)}
-    assert unused <= {"trajectory.states.*", "trajectory.inputs.*", "scenario", "scenario.vehicle", "vehicle"}
+    passed = assert_rejected_or_true(data, paths, lambda values: [rng.choice(values)])
+    assert len(passed) > 50
 
 
 def test_the_command_line_answers_1_or_2(files, tmp_path, capsys):
@@ -269,7 +283,7 @@ def test_the_command_line_answers_1_or_2(files, tmp_path, capsys):
     data, rng, path = files["three-part"], random.Random(0), tmp_path / "plan.json"
     original = Plan.from_dict(data).to_dict()
     codes = []
-    for place in rng.sample([p for p in places(data) if p[0] != "report"], 60):
+    for place in rng.sample([p for p in places(data) if p[0] != "report"], 40):
         file = altered(data, place, rng.choice(alterations(at(data, place))))
         try:
             if Plan.from_dict(file).to_dict() == original:
