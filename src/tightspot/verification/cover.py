@@ -69,7 +69,7 @@ def cover(motion: Motion, pairs: Pairs, demand: float, *, resolution: float, flo
     """Cover [0, t_f] for every pair.
 
     Args:
-        motion: The replayed motion.
+        motion: Of the body.
         pairs: What must stay apart.
         demand: Clearance to prove, m.
         resolution: The proved clearance is raised to within this of the smallest one there is, m, if it is
@@ -121,8 +121,8 @@ class _Search:
 
     def between_knots(self) -> None:
         """Intervals [t_a, t_b], halved until single; what is left goes to ``single``."""
-        replay = self.motion.replay
-        t, knots, N, P = replay.trajectory.t, replay.knots, replay.trajectory.steps, self.pairs.part.size
+        t, knots = self.motion.t, self.motion.knots
+        N, P = t.size - 1, self.pairs.part.size
         pair, knot = np.divmod(np.arange(P * (N + 1)), N + 1)
         normal, support, clearance = self.lines(pair, knots[knot])
         self.look(pair, t[knot], clearance)
@@ -143,17 +143,16 @@ class _Search:
 
     def bisect(self) -> None:
         """Single intervals, bisected in time until each is closed or given up."""
-        replay = self.motion.replay
-        t, knots = replay.trajectory.t, replay.knots
+        t, knots = self.motion.t, self.motion.knots
         pair, k = (np.concatenate(column) for column in zip(*self.single, strict=True))
         start, end, before, after = t[k], t[k + 1], knots[k], knots[k + 1]
         while pair.size:
             part, middle = self.pairs.part[pair], 0.5 * (start + end)
-            between = replay.at(middle)
+            between = self.motion.at(middle)
             normal, support, clearance = self.lines(pair, between)
             self.look(pair, middle, clearance)
             low = np.minimum(self.motion.lowest(part, before, normal), self.motion.lowest(part, after, normal))
-            loss = self.motion.loss(part, before, after, replay.trajectory.inputs[k], end - start)
+            loss = self.motion.loss(part, k, before, after, end - start)
             bound = low - loss - support - self.pad[pair]
             done = (bound >= self.target()[pair]) | self._hopeless(pair, clearance, loss, end - start)
             self.close(done, pair, start, end, normal, support, bound)
@@ -193,15 +192,14 @@ class _Search:
 
     def _knot_losses(self) -> Array:
         """``P h^2 / 8`` of every body part on every interval, m, shape (n_B, N)."""
-        replay = self.motion.replay
-        N, n_B, knots = replay.trajectory.steps, len(self.motion.names), replay.knots
+        durations, knots = np.diff(self.motion.t), self.motion.knots
+        N, n_B = durations.size, len(self.motion.names)
         part, k = np.divmod(np.arange(n_B * N), N)
-        durations = np.diff(replay.trajectory.t)
-        return self.motion.loss(part, knots[k], knots[k + 1], replay.trajectory.inputs[k], durations[k]).reshape(n_B, N)
+        return self.motion.loss(part, k, knots[k], knots[k + 1], durations[k]).reshape(n_B, N)
 
     def _chain(self, pair: Index, a: Index, b: Index, normal: Array, loss: Array) -> Array:
         """The lemma's lower bound of n.p over [t_a, t_b], one normal for all its intervals, m, shape (B,)."""
-        knots, part = self.motion.replay.knots, self.pairs.part[pair]
+        knots, part = self.motion.knots, self.pairs.part[pair]
         length = int((b - a).max())
         bound = np.empty(pair.size)
         size = max(1, _BLOCK // (length + 1))

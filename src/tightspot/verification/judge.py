@@ -27,7 +27,7 @@ from tightspot.verification.certificate import (
 from tightspot.verification.checks import Limits, motion_checks
 from tightspot.verification.cover import Cover, cover
 from tightspot.verification.file_exact import file_exact
-from tightspot.verification.motion import Motion
+from tightspot.verification.motion import Motion, ReplayedMotion
 from tightspot.verification.replay import METHOD, replay
 from tightspot.verification.witnesses import WORKSPACE_SLACK, obstacle_witnesses, workspace_witnesses
 
@@ -91,7 +91,7 @@ def verify(
     names = [name for name, _ in scenario.obstacle_parts]
     polygons = [polygon for _, polygon in scenario.obstacle_parts]
     corners = [scenario.workspace.vertices, *(polygon.vertices for polygon in polygons)]
-    motion = Motion.of(played, extent=max(float(np.abs(vertices).max()) for vertices in corners))
+    motion = ReplayedMotion.of(played, extent=max(float(np.abs(vertices).max()) for vertices in corners))
     pairs, walls = (
         ObstaclePairs(len(vehicle.parts), polygons),
         WorkspacePairs(len(vehicle.parts), scenario.workspace),

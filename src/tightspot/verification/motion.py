@@ -17,27 +17,29 @@ bisection divides by four.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.vehicles import VehicleModel
 from tightspot.verification.replay import Replay
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 # Relative reserve for rounding in the motion bounds; their terms are sums and products of a few doubles.
-_BOUND_RESERVE = 1e-9
-_ROUNDING = 64 * np.finfo(float).eps
+BOUND_RESERVE = 1e-9
+ROUNDING = 64 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
-    """A replayed motion and the body parts that ride on it.
+class Motion(ABC):
+    """Body parts that ride on a motion, as the cover sees them.
 
     Attributes:
-        replay: The motion.
+        vehicle: Whose parts and frames they are.
         names: Of the body parts.
         V0: Their vertices in their frames, m, shape (n_B, n_V, 2); short polygons repeat their first vertex.
         radius: Largest distance of a vertex from the frame's origin, m, shape (n_B,).
@@ -45,32 +47,45 @@ class Motion:
         pad: What each part's clearances lose to integration error and rounding, m, shape (n_B,).
     """
 
-    replay: Replay
+    vehicle: VehicleModel
     names: tuple[str, ...]
     V0: Array
     radius: Array
     frame: Index
     pad: Array
 
-    @classmethod
-    def of(cls, replay: Replay, extent: float) -> Motion:
-        """The motion of the replay's vehicle among things no further than ``extent`` (m) from the origin."""
-        parts = replay.vehicle.parts
-        radius = np.array([part.polygon.radius for part in parts])
-        reach = extent + np.abs(replay.node_states[:, :2]).max() + radius
-        pad = replay.position_error + replay.heading_error * radius + _ROUNDING * reach
-        return cls(
-            replay,
-            tuple(part.name for part in parts),
-            stack_padded([part.polygon.vertices for part in parts]),
-            radius,
-            np.array([part.frame for part in parts], dtype=np.intp),
-            pad,
-        )
+    @property
+    @abstractmethod
+    def t(self) -> Array:
+        """Knots, ascending, shape (N+1,): times in s, or another parameter of the motion."""
+
+    @property
+    @abstractmethod
+    def knots(self) -> Array:
+        """States at the knots, shape (N+1, n_x)."""
+
+    @abstractmethod
+    def at(self, times: Array) -> Array:
+        """States at ``times`` (...), shape (..., n_x)."""
+
+    @abstractmethod
+    def loss(self, part: Index, interval: Index, before: Array, after: Array, duration: Array) -> Array:
+        """The lemma's ``P h^2 / 8`` for each part between two states of one interval between knots, m, (B,).
+
+        Args:
+            part: Shape (B,).
+            interval: Index of the interval, shape (B,).
+            before: States at the beginning, shape (B, n_x).
+            after: States at the end, shape (B, n_x).
+            duration: h, shape (B,).
+
+        Returns:
+            Infinite where nothing is bounded.
+        """
 
     def poses(self, part: Index, states: Array) -> Array:
         """(x, y, theta) of the parts' frames at the states (B, n_x), shape (B, 3)."""
-        frames = self.replay.vehicle.frames(list(states.T), np)
+        frames = self.vehicle.frames(list(states.T), np)
         if len(frames) == 1:
             return np.stack(frames[0], axis=-1)
         stacked = np.stack([np.stack(np.broadcast_arrays(*frame), axis=-1) for frame in frames])
@@ -87,14 +102,52 @@ class Motion:
         """``min(n.V)`` of each part at its state in its direction ``normal`` (B, 2), m, shape (B,)."""
         return np.asarray(lowest(normal, self.vertices(part, states)))
 
-    def loss(self, part: Index, before: Array, after: Array, controls: Array, duration: Array) -> Array:
-        """The lemma's ``P h^2 / 8`` for each part between two states, m, (B,); infinite if unbounded."""
+
+@dataclass(frozen=True, eq=False)
+class ReplayedMotion(Motion):
+    """The motion of inputs that are constant between the knots; times are in s.
+
+    Attributes:
+        replay: Its integration.
+    """
+
+    replay: Replay
+
+    @classmethod
+    def of(cls, replay: Replay, extent: float) -> ReplayedMotion:
+        """The motion of the replay's vehicle among things no further than ``extent`` (m) from the origin."""
+        names, V0, radius, frame = parts_of(replay.vehicle)
+        reach = extent + np.abs(replay.node_states[:, :2]).max() + radius
+        pad = replay.position_error + replay.heading_error * radius + ROUNDING * reach
+        return cls(replay.vehicle, names, V0, radius, frame, pad, replay)
+
+    @property
+    def t(self) -> Array:
+        return self.replay.trajectory.t
+
+    @property
+    def knots(self) -> Array:
+        return self.replay.knots
+
+    def at(self, times: Array) -> Array:
+        return self.replay.at(times)
+
+    def loss(self, part: Index, interval: Index, before: Array, after: Array, duration: Array) -> Array:
+        controls = self.replay.trajectory.inputs[interval]
         with np.errstate(over="ignore", invalid="ignore"):
-            frames = self.replay.vehicle.motion_bounds(before, after, controls)
+            frames = self.vehicle.motion_bounds(before, after, controls)
             bounds = np.stack([np.stack(np.broadcast_arrays(*frame)) for frame in frames])
             _, yaw_rate, acceleration, yaw_acceleration = bounds[self.frame[part], :, np.arange(part.size)].T
             P = acceleration + (yaw_acceleration + yaw_rate**2) * self.radius[part]
-            return np.where(np.isfinite(P), P * duration**2 / 8 * (1 + _BOUND_RESERVE), np.inf)
+            return np.where(np.isfinite(P), P * duration**2 / 8 * (1 + BOUND_RESERVE), np.inf)
+
+
+def parts_of(vehicle: VehicleModel) -> tuple[tuple[str, ...], Array, Array, Index]:
+    """Names, padded vertices, radii and frames of the body parts, see :class:`Motion`."""
+    parts = vehicle.parts
+    radius = np.array([part.polygon.radius for part in parts])
+    frame = np.array([part.frame for part in parts], dtype=np.intp)
+    return tuple(part.name for part in parts), stack_padded([part.polygon.vertices for part in parts]), radius, frame
 
 
 def lowest(normal: Array, vertices: Array) -> Array:

@@ -24,7 +24,7 @@ def obstacle_witnesses(
 ) -> list[Witness]:
     failed = np.flatnonzero(~clear.holds)
     times, clearances = _worst_moments(motion, pairs, failed, clear)
-    poses = motion.replay.at(times)[:, :3]
+    poses = motion.at(times)[:, :3]
     witnesses = []
     for pair, time, clearance, pose in zip(failed, times, clearances, poses, strict=True):
         pad = motion.pad[pairs.part[pair]]
@@ -38,7 +38,7 @@ def workspace_witnesses(motion: Motion, walls: Pairs, inside: Cover) -> list[Wit
     """One witness a body part: the edge that it crosses furthest."""
     failed = np.flatnonzero(~inside.holds)
     times, clearances = _worst_moments(motion, walls, failed, inside)
-    poses = motion.replay.at(times)[:, :3]
+    poses = motion.at(times)[:, :3]
     witnesses = []
     for part in np.unique(walls.part[failed]):
         of_part = np.flatnonzero(walls.part[failed] == part)
@@ -52,13 +52,13 @@ def workspace_witnesses(motion: Motion, walls: Pairs, inside: Cover) -> list[Wit
 def _worst_moments(motion: Motion, pairs: Pairs, chosen: Index, found: Cover) -> tuple[Array, Array]:
     """Times and clearances of the chosen pairs' worst moments: the cover's, refined by dense samples."""
     times, clearances = found.seen_at[chosen], found.seen[chosen]
-    t = motion.replay.trajectory.t
+    t = motion.t
     for width in (2e-2, 1e-3, 5e-5):
         if not chosen.size:
             break
         samples = np.clip(times[:, None] + np.linspace(-width, width, 65), t[0], t[-1])
         pair = np.repeat(chosen, samples.shape[1])
-        vertices = motion.vertices(pairs.part[pair], motion.replay.at(samples.ravel()))
+        vertices = motion.vertices(pairs.part[pair], motion.at(samples.ravel()))
         values = pairs.lines(pair, vertices)[2].reshape(samples.shape)
         best = np.arange(chosen.size), values.argmin(axis=1)
         times = np.where(values[best] < clearances, samples[best], times)
