@@ -126,7 +126,7 @@ def test_files_that_cannot_be_read_are_explained(tmp_path, problems, scene):
     assert "there is no directory" in sentence(tmp_path / "nowhere" / "scene.yaml")
     assert "is a directory" in sentence(tmp_path / "folder.yaml")
     assert "is a directory" in sentence(tmp_path)
-    assert "XML scenes are not read" in sentence(tmp_path / "scene.xml")
+    assert "does not exist" in sentence(tmp_path / "scene.xml")
     (tmp_path / "scene.txt").write_text("x")
     assert "unknown extension '.txt'" in sentence(tmp_path / "scene.txt")
     os.mkfifo(tmp_path / "pipe.yaml")

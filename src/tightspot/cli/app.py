@@ -8,6 +8,7 @@ import typer
 
 import tightspot
 from tightspot.cli.bench import bench
+from tightspot.cli.convert import convert_command
 from tightspot.cli.export import export_command
 from tightspot.cli.failures import DONE, INTERRUPTED, failure_of
 from tightspot.cli.plan import plan_command
@@ -22,6 +23,7 @@ app.command("plan")(plan_command)
 app.command("verify")(verify_command)
 app.command("show")(show_command)
 app.command("export")(export_command)
+app.command("convert")(convert_command)
 app.command("scenes")(scenes_command)
 app.command("vehicles")(vehicles_command)
 app.command("schema")(schema_command)

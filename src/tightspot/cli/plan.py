@@ -24,11 +24,22 @@ if TYPE_CHECKING:
 
 def plan_command(
     scene: Annotated[
-        str, typer.Argument(metavar="SCENE", help="A built-in scene or a file (.yaml, .json, TPCAP .csv).")
+        str,
+        typer.Argument(
+            metavar="SCENE",
+            help="A built-in scene or a file: .yaml, .json, TPCAP .csv, CommonRoad .xml, .geojson, .wkt, map .yaml.",
+        ),
     ],
     vehicle: Annotated[
         str | None,
         typer.Option(metavar="NAME|FILE", help="From the catalogue or a file; default: the scene's."),
+    ] = None,
+    start: Annotated[
+        str | None, typer.Option(metavar="X,Y,THETA", help="Metres and radians, then v, delta; default: the scene's.")
+    ] = None,
+    goal: Annotated[str | None, typer.Option(metavar="X,Y,THETA", help="The same for the goal.")] = None,
+    unknown: Annotated[
+        str | None, typer.Option(metavar="POLICY", help="Unknown cells of a map: occupied (default) or free.")
     ] = None,
     formulation: Annotated[
         str | None,
@@ -98,7 +109,8 @@ def plan_command(
                 watch.check()
                 view(news)
 
-            plan = _plan(scene, time_weight, output, progress, options)
+            given = {"start": start, "goal": goal, "vehicle": vehicle, "unknown": unknown}
+            plan = _plan(scene, given, time_weight, output, progress, options)
     except (PlanningError, BlockedError) as error:
         raise typer.Exit(_explained(error, output, picture=picture, quiet=quiet, as_json=json)) from None
     directory = output or default_directory(plan.scenario.name)
@@ -113,13 +125,18 @@ def plan_command(
 
 
 def _plan(
-    scene: str, time_weight: float | None, output: Path | None, progress: ProgressCallback, options: dict[str, Any]
+    scene: str,
+    given: dict[str, Any],
+    time_weight: float | None,
+    output: Path | None,
+    progress: ProgressCallback,
+    options: dict[str, Any],
 ) -> Plan:
     from tightspot.planner import plan
     from tightspot.scenarios import load
     from tightspot.transcription import Objective
 
-    scenario = load(scene)
+    scenario = load(scene, **given)
     if output is None:
         check_directory(default_directory(scenario.name))
     objective = None if time_weight is None else Objective(time_weight=time_weight)

@@ -211,14 +211,32 @@ def _fewest(puzzle: _Puzzle, lines: Lines) -> Indices | None:
     return np.array(best, dtype=np.intp)
 
 
+def _crossings(points: Array, diagonals: Indices) -> NDArray[np.bool_]:
+    """Which diagonals cross which, shape (m, m): the ends of each lie on different sides of the other.
+
+    No end lies on another diagonal but at its ends, see :func:`visible_diagonals`, so signs do not depend on rounding.
+    """
+    start, end = points[diagonals[:, 0]], points[diagonals[:, 1]]
+    along = end - start
+
+    def side(of: Array) -> Array:
+        """On which side of diagonal i (row) point j (column) lies."""
+        x, y = of[None, :, 0] - start[:, None, 0], of[None, :, 1] - start[:, None, 1]
+        return np.sign(along[:, None, 0] * y - along[:, None, 1] * x)
+
+    parted: NDArray[np.bool_] = side(start) * side(end) < 0
+    parted &= parted.T
+    parted &= ~(diagonals[:, None, :, None] == diagonals[None, :, None, :]).any(axis=(2, 3))
+    return parted
+
+
 class _Puzzle:
     """The choice of diagonals (ids) that do not cross and leave no angle above pi at any corner."""
 
     def __init__(self, corners: list[Corner], points: Array, diagonals: Indices, lines: Lines) -> None:
         self.corners = corners
         self.length: Array = shapely.length(lines)
-        self.crossing = np.zeros((len(lines), len(lines)), dtype=bool)
-        self.crossing[tuple(shapely.STRtree(lines).query(lines, predicate="crosses"))] = True
+        self.crossing = _crossings(points, diagonals)
         self.choices = [_choice(corner, points, diagonals) for corner in corners]
         self.at: list[list[tuple[int, float]]] = [[] for _ in lines]
         for i, choice in enumerate(self.choices):

@@ -6,12 +6,12 @@ from tightspot.scenarios.check import check
 from tightspot.scenarios.clearances import Clearance, clearance, clearances, workspace_excess
 from tightspot.scenarios.library import builtin, names, summaries
 from tightspot.scenarios.obstacle import Obstacle
-from tightspot.scenarios.readers import READERS, load
+from tightspot.scenarios.readers import FORMATS, load, save
 from tightspot.scenarios.scenario import Scenario, Tolerance
 from tightspot.scenarios.schema import json_schema
 
 __all__ = [
-    "READERS",
+    "FORMATS",
     "Blocked",
     "Bottleneck",
     "Clearance",
@@ -27,6 +27,7 @@ __all__ = [
     "json_schema",
     "load",
     "names",
+    "save",
     "summaries",
     "workspace_excess",
 ]

@@ -1,58 +1,67 @@
-"""Scenes from files, one module a format; :func:`load` chooses by the file's extension."""
+"""Scenes from files and to files, one module a format; :func:`load` finds out which one a file is in."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from tightspot.errors import Problem, SceneError
 from tightspot.problems import near, shown
 from tightspot.scenarios import library
-from tightspot.scenarios.readers.files import refuse
-from tightspot.scenarios.readers.native import read_json, read_yaml
-from tightspot.scenarios.readers.tpcap import read_tpcap
+from tightspot.scenarios.readers.files import exists
+from tightspot.scenarios.readers.formats import FORMATS, Format, guess, named
+from tightspot.scenarios.readers.given import Given, State
+from tightspot.scenarios.readers.saving import save
+from tightspot.scenarios.readers.source import Source
 from tightspot.scenarios.scenario import Scenario
+from tightspot.vehicles import VehicleModel
 
-READERS: dict[str, Callable[[Path], Scenario]] = {
-    ".yaml": read_yaml,
-    ".yml": read_yaml,
-    ".json": read_json,
-    ".csv": read_tpcap,
-}
+__all__ = ["FORMATS", "Format", "load", "save"]
 
 
-def load(name_or_path: str | Path) -> Scenario:
+def load(
+    name_or_path: str | Path,
+    *,
+    start: State | None = None,
+    goal: State | None = None,
+    vehicle: VehicleModel | str | Path | Mapping[str, Any] | None = None,
+    margin: float | None = None,
+    unknown: str | None = None,
+    format: str | None = None,  # noqa: A002
+) -> Scenario:
     """A built-in scene by name, or a scene from a file.
 
-    Files: ``.yaml``, ``.yml``, ``.json`` (scenes, and plan files, which hold their scene), ``.csv`` (TPCAP).
+    The format is guessed from the file's extension and, where that leaves a choice, its content: scenes in YAML and
+    JSON, plan files (which hold their scene), GeoJSON and WKT with roles, TPCAP, CommonRoad, and occupancy maps of
+    ROS's map_server. A built-in name goes before a file of that name; write ``./vertical`` for the file.
 
-    A built-in name goes before a file of that name; write ``./vertical`` for the file.
+    Args:
+        name_or_path: The name or the file.
+        start: (x, y, theta[, v[, delta]]) in the file's coordinates, m, rad, m/s, or an object as in a scene file.
+            It goes before the file's; an occupancy map has none of its own.
+        goal: The same for the goal.
+        vehicle: A vehicle, a catalogue's name or a vehicle file in the place of the scene's.
+        margin: Clearance to keep, m, in the place of the scene's.
+        unknown: What unknown cells of an occupancy map are, ``"occupied"`` (the default) or ``"free"``.
+        format: A key of ``tightspot.scenarios.FORMATS``; default: guessed.
 
     Raises:
         SceneError: With all problems, each with its path in the file, or the file's name if it is unreadable.
+        InputError: The format or the vehicle is not known.
     """
     if not isinstance(name_or_path, str | Path) or not str(name_or_path):
         raise SceneError(f"{shown(name_or_path)} is neither the name of a scene nor a file")
+    given = Given.of(start, goal, vehicle, margin, unknown)
     text = str(name_or_path)
     if text in library.names():
-        return library.builtin(text)
+        return given.over_scenario(library.builtin(text))
     path = Path(text)
-    suffix = path.suffix.lower()
-    if suffix in READERS:
-        return READERS[suffix](path)
-    if suffix == ".xml":
-        raise refuse(path, f"XML scenes are not read; convert it to one of {', '.join(READERS)}")
-    if _exists(path):
-        kind = "is a directory; give the file in it" if path.is_dir() else f"has an unknown extension {suffix!r}"
-        raise refuse(path, f"{kind}; scenes are read from {', '.join(READERS)}")
-    raise SceneError(Problem(shown(text).strip("'"), _unknown(text)))
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except (OSError, ValueError):
-        return False
+    if not path.suffix and not exists(path):
+        raise SceneError(Problem(shown(text).strip("'"), _unknown(text)))
+    source = Source(path)
+    chosen = guess(source) if format is None else named(format)
+    return chosen.read(source, given)
 
 
 def _unknown(text: str) -> str:

@@ -17,7 +17,7 @@ def read_text(path: Path) -> str:
     Raises:
         SceneError: Missing, a directory, no regular file, not permitted, over 10 MB, empty, or not UTF-8.
     """
-    data = _bytes(path)
+    data = read_bytes(path)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -27,23 +27,32 @@ def read_text(path: Path) -> str:
     return text
 
 
+def exists(path: Path) -> bool:
+    """Whether there is anything of that name; a name that cannot be one names nothing."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
 def refuse(path: Path, sentence: str) -> SceneError:
     """The exception for a file that cannot be used as a whole."""
     return SceneError(Problem(str(path), sentence))
 
 
-def _bytes(path: Path) -> bytes:
+def read_bytes(path: Path, most: int = MAX_BYTES) -> bytes:
+    """The file's content; raises :class:`SceneError` if it is none or has more than ``most`` bytes."""
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
             raise refuse(path, "is a directory; give the file in it")
         if not stat.S_ISREG(status.st_mode):
             raise refuse(path, "is not a regular file")
-        if status.st_size > MAX_BYTES:
+        if status.st_size > most:
             size = status.st_size / 1e6
-            raise refuse(path, f"has {size:.0f} MB; scenes of at most {MAX_BYTES / 1e6:.0f} MB are read")
+            raise refuse(path, f"has {size:.0f} MB; at most {most / 1e6:.0f} MB are read")
         with path.open("rb") as file:
-            return file.read(MAX_BYTES + 1)
+            return file.read(most + 1)
     except SceneError:  # a ValueError too, so it must not reach the clause below
         raise
     except FileNotFoundError:

@@ -13,17 +13,20 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from tightspot.errors import Problem, SceneError
 from tightspot.geometry import wrap_angle
 from tightspot.problems import MOST_PROBLEMS, shortened, shown
-from tightspot.scenarios.readers.files import read_text, refuse
+from tightspot.scenarios.readers.files import refuse
+from tightspot.scenarios.readers.given import Given
+from tightspot.scenarios.readers.source import Source
+from tightspot.scenarios.readers.thickening import thickened_ring
 from tightspot.scenarios.scenario import Scenario
 from tightspot.scenarios.schema import MAX_VERTICES
 
@@ -32,44 +35,56 @@ Array = NDArray[np.float64]
 ROOM = 15.0
 """The workspace reaches this far beyond the box around start and goal, m."""
 MARGIN = 0.02
-THICKNESS = 1e-3
-"""An obstacle without area (a point, a wall drawn as a line) becomes a rectangle this thick, m."""
-_THINNEST = 1e-5
+VEHICLE = "tpcap"
+DESCRIPTION = "A scene of the Trajectory Planning Competition for Automated Parking (TPCAP)."
 _MOST_VALUES = 7 + 3 * MAX_VERTICES
 
 _DELIMITER = re.compile(r"\s*[,;]\s*|\s+")
 
 
-def read_tpcap(path: Path) -> Scenario:
+def read_tpcap(source: Source, given: Given) -> Scenario:
     """The scene in a competition file.
 
-    Separators may be commas, semicolons, blanks and line breaks. An obstacle that has no area is not dropped,
-    which would be unsafe, but thickened to 1 mm.
+    Separators may be commas, semicolons, blanks and line breaks. An obstacle that has no area (a point, a wall drawn
+    as a line) is not dropped, which would be unsafe, but thickened to 1 mm.
 
     Raises:
         SceneError: Not numbers, fewer or more numbers than announced, or a scene that is none.
     """
-    values = _numbers(path, read_text(path))
+    path = source.path
+    values = _numbers(path, source.text)
     counts = _counts(path, values)
     ends = 7 + len(counts) + 2 * np.cumsum([0, *counts])
     rings = [values[a:b].reshape(-1, 2) for a, b in itertools.pairwise(ends)]
-    (x0, y0), (x1, y1) = values[0:2], values[3:5]
-    return Scenario.from_dict(
+    start, goal = _pose(values[0:3]), _pose(values[3:6])
+    data = given.over(
         {
-            "name": path.stem[:200],
-            "description": "A scene of the Trajectory Planning Competition for Automated Parking (TPCAP).",
+            "name": source.name,
+            "description": DESCRIPTION,
             "source": f"TPCAP, {path.name[:200]}",
-            "vehicle": "tpcap",
+            "vehicle": VEHICLE,
             "margin": MARGIN,
-            "workspace": {
-                "x": [min(x0, x1) - ROOM, max(x0, x1) + ROOM],
-                "y": [min(y0, y1) - ROOM, max(y0, y1) + ROOM],
-            },
-            "obstacles": [{"vertices": _thickened(ring).tolist()} for ring in rings],
-            "start": _pose(values[0:3]),
-            "goal": _pose(values[3:6]),
+            "obstacles": [{"vertices": thickened_ring(ring).tolist()} for ring in rings],
+            "start": start,
+            "goal": goal,
         }
     )
+    return Scenario.from_dict(data | {"workspace": _workspace(data["start"], data["goal"], start, goal)})
+
+
+def _workspace(*states: Mapping[str, Any]) -> dict[str, list[float]]:
+    """The box around the states grown by 15 m; what the caller gave may be no numbers."""
+    known = {
+        key: [state[key] for state in states if isinstance(state.get(key), int | float) and np.isfinite(state[key])]
+        for key in ("x", "y")
+    }
+    return {key: [min(values) - ROOM, max(values) + ROOM] for key, values in known.items()}
+
+
+def looks_like_tpcap(text: str) -> bool:
+    """Whether a text begins with the numbers that every such file has."""
+    tokens = [token for _, token in itertools.islice(_tokens(text[:10_000]), 7)]
+    return len(tokens) == 7 and all(np.isfinite(_number(token)) for token in tokens)
 
 
 def _pose(values: Array) -> dict[str, float]:
@@ -146,33 +161,3 @@ def _counts(path: Path, values: Array) -> list[int]:
 
 def _wrong_length(path: Path, expected: str, found: int) -> SceneError:
     return SceneError(Problem(path.name, f"holds {found} numbers where {expected} were expected; is it cut off?"))
-
-
-def _thickened(ring: Array) -> Array:
-    """The ring itself, or a rectangle 1 mm thick about it if it has no area to speak of."""
-    local = shapely.MultiPoint(ring - ring[0])
-    box = shapely.minimum_rotated_rectangle(local)
-    if box.geom_type == "Polygon" and _width(box) > _THINNEST:
-        return ring
-    spine = box if box.geom_type != "Polygon" else _longest_edge(box)
-    if spine.geom_type == "Point":
-        corners = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) * THICKNESS / 2
-    else:
-        corners = shapely.get_coordinates(spine.buffer(THICKNESS / 2, cap_style="square"))[:-1]
-    thick: Array = ring[0] + corners
-    return thick
-
-
-def _edges(box: shapely.Polygon) -> Array:
-    corners: Array = shapely.get_coordinates(box)
-    return np.diff(corners, axis=0)
-
-
-def _width(box: shapely.Polygon) -> float:
-    return float(np.hypot(*_edges(box).T).min())
-
-
-def _longest_edge(box: shapely.Polygon) -> shapely.LineString:
-    corners = shapely.get_coordinates(box)
-    longest = int(np.hypot(*_edges(box).T).argmax())
-    return shapely.LineString(corners[longest : longest + 2])
