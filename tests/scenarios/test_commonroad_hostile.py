@@ -15,7 +15,19 @@ from tightspot.errors import InputError, Problem, SceneError, TightspotError
 from tightspot.scenarios import Scenario, builtin
 from tightspot.scenarios.readers.commonroad import read_commonroad, read_commonroad_solution, write_commonroad
 
-from .commonroad_text import circle, goal, interval, point, polygon, problem, rectangle, scenario, state, static
+from .commonroad_text import (
+    circle,
+    goal,
+    interval,
+    lanelet,
+    point,
+    polygon,
+    problem,
+    rectangle,
+    scenario,
+    state,
+    static,
+)
 
 LAUGHS = "<!DOCTYPE lolz [<!ENTITY a0 'lol'>{}]>".format(
     "".join(f"<!ENTITY a{i} '{f'&a{i - 1};' * 10}'>" for i in range(1, 10))
@@ -97,6 +109,33 @@ def outcome(path: Path) -> Scenario | list[Problem]:
         return read_commonroad(path)
     except InputError as error:
         return error.problems
+
+
+def comb(turned: bool) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
+    """A lanelet with 350 teeth; crossed with its likeness it has over 100,000 holes."""
+    teeth = [point for i in range(350) for point in ((i * 0.1 - 20, -20.0), (i * 0.1 - 19.95, 20.0))]
+    back = [(x, -30.0) for x, _ in teeth]
+    return ([(y, x) for x, y in teeth], [(y, x) for x, y in back]) if turned else (teeth, back)
+
+
+@pytest.mark.parametrize(
+    ("lanelets", "words"),
+    [
+        ([comb(False), comb(True)], "cross each other or themselves at some"),
+        ([([(i * 0.01, 2) for i in range(2000)], [(i * 0.01, -2) for i in range(2000)])], "have 4000 border points"),
+        ([([(0, 0), (0, 0)], [(0, 0), (0, 0)])], None),
+    ],
+)
+def test_roads_that_take_too_long_are_refused(lanelets, words, tmp_path):
+    path = tmp_path / "x.xml"
+    path.write_text(scenario(*(lanelet(i + 1, *borders) for i, borders in enumerate(lanelets))))
+    begun = time.process_time()
+    if words is None:
+        assert read_commonroad(path, lanelets="boundary").obstacles is not None
+    else:
+        with pytest.raises(SceneError, match=words):
+            read_commonroad(path, lanelets="boundary")
+    assert time.process_time() - begun < 5
 
 
 ODD = {
