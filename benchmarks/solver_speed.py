@@ -148,7 +148,8 @@ def _line(weight: str, scene: str, figures: dict[str, Any]) -> str:
     shares = [100 * figures[key] for key in ("success", "ipopt_success", "near_best", "ipopt_near_best")]
     return (
         f"| {weight} | {scene} | {figures['solve_ratio']:.0f} | {figures['milliseconds']:.2f} "
-        f"| {figures['ipopt_milliseconds']:.0f} | {figures['iterations']:.0f} against {figures['ipopt_iterations']:.0f} "
+        f"| {figures['ipopt_milliseconds']:.0f} "
+        f"| {figures['iterations']:.0f} against {figures['ipopt_iterations']:.0f} "
         f"| {shares[0]:.0f} % against {shares[1]:.0f} % | {shares[2]:.0f} % against {shares[3]:.0f} % |"
     )
 

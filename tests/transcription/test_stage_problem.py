@@ -116,7 +116,7 @@ def test_same_objective_rows_and_derivatives(member, changes):
 @pytest.mark.parametrize("member", FORMULATIONS)
 def test_starts_at_the_same_point(member):
     nlp, problem = both(member())
-    _, x, order = composed(nlp, problem)
+    order = order_of(problem)
     core = CorePoint(problem.starting_point(), *(np.zeros(1),) * 6)
     rows, dynamics = np.zeros(order.rows.size), np.zeros(order.dynamics.size)
     point = order.point(core._replace(z=rows, lam=dynamics, bounds=np.zeros(order.time + 1), rows=rows, demands=rows,

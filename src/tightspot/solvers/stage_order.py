@@ -174,7 +174,15 @@ def _with_rows(problem: StageProblem, states: Index, inputs: Index, lines: Index
     rows_of_interval = np.bincount(interval, sizes + unit * ends_pair, minlength=steps).astype(np.intp)
     dynamics = np.cumsum(rows_of_interval) + n_x * np.arange(steps)
     return StageOrder(
-        problem, states, inputs, lines, time, rows,
-        np.where(np.repeat(negative, sizes), -1.0, 1.0), np.repeat(about, sizes),
-        pair_ends if unit else pair_ends[:0], dynamics[:, None] + np.arange(n_x), int(rows.size + n_x * steps + unit * pair_ends.size),
-    )  # fmt: skip
+        problem,
+        states,
+        inputs,
+        lines,
+        time,
+        rows,
+        signs=np.where(np.repeat(negative, sizes), -1.0, 1.0),
+        pair_of_row=np.repeat(about, sizes),
+        units=pair_ends if unit else pair_ends[:0],
+        dynamics=dynamics[:, None] + np.arange(n_x),
+        n_rows=int(rows.size + n_x * steps + unit * pair_ends.size),
+    )

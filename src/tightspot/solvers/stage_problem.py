@@ -41,7 +41,7 @@ class StageProblem:
     ``constant + weight * cover``, where the cover is the vehicle's acceleration bound times the piece's duration
     squared over 8 (see :meth:`tightspot.vehicles.VehicleModel.acceleration_bound`).
 
-    SI units; N intervals, n_x states, n_u inputs. Arrays are contiguous; the solver refuses others.
+    SI units; N intervals, n_x states, n_u inputs.
 
     Attributes:
         model: Name of the compiled model: ``"single_track"``.

@@ -149,9 +149,7 @@ class Stagewise(Solver):
         started = time.perf_counter()
         core = core_solver(problem)
         options = self.options(warm=warm is not None)
-        core.set(problem.starting_point() if warm is None else warm.v)
-        if warm is not None:
-            core.set_multipliers(warm.s, warm.z, warm.zb, warm.lam, warm.nu)
+        _start(core, problem, warm)
         built = time.perf_counter()
         watch = None
         if callback is not None:
@@ -162,7 +160,8 @@ class Stagewise(Solver):
 
         answer = core.solve(options, watch)
         timings = {"build": built - started, "solve": answer["seconds"]}
-        return self._report(problem, answer, timings)
+        with np.errstate(invalid="ignore", over="ignore"):
+            return self._report(problem, answer, timings)
 
     def solve_many(self, problems: Sequence[StageProblem], *, threads: int = 1) -> list[StageReport]:
         """Solve each by itself, on several threads; the answers do not depend on their number."""
@@ -215,6 +214,16 @@ class Stagewise(Solver):
             lines=lines,
             log=answer["log"],
         )
+
+
+def _start(core: Any, problem: StageProblem, warm: StagePoint | None) -> None:
+    try:
+        with np.errstate(invalid="ignore", over="ignore"):
+            core.set(problem.starting_point() if warm is None else warm.v)
+        if warm is not None:
+            core.set_multipliers(warm.s, warm.z, warm.zb, warm.lam, warm.nu)
+    except ValueError as error:
+        raise InputError(Problem("warm" if warm else "problem", str(error))) from None
 
 
 def _violation(

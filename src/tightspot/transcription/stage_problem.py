@@ -149,7 +149,7 @@ def _stacked(polygons: list[ConvexPolygon]) -> tuple[Array, Integers]:
 
 
 def _demands(settings: Settings, pieces: Integers, fixed: tuple[bool, bool]) -> tuple[Array, Array, Array]:
-    """Demands (constant, weight of the cover) of pairs by sample, of the obstacle's side by interval, of walls by sample.
+    """Demands (constant, weight of the cover): of pairs by sample, the obstacle's side by interval, walls by sample.
 
     The clearance d at a sample is the margin plus the cover; where the pose is given it is the end margin alone. Half
     the first sample's clearance lies on the obstacle's side of the line, d less that half on the body's.

@@ -70,16 +70,17 @@ class Assembly {
         }
     }
 
-    // The Hessian of the Lagrangian plus J' D J; `lam` of the dynamics, `diagonal` of the bounds.
+    // The Hessian of the Lagrangian plus J' D J; `lam` of the dynamics, `diagonal` of the bounds. On the way, the gradient
+    // of objective - z . rows, plus `bounds`: the same as set_gradient(v, at, z, bounds, out).
     void set_hessian(const double* v, const Values<Model>& at, const double* D, const double* z, const double* lam,
-                     const double* diagonal) {
+                     const double* diagonal, const double* bounds, Gradient& out) {
         const int parts = problem_.parts.size();
         for (int k = 0; k < problem_.steps; ++k) {
             double* W = stages.data() + k * S::nw * S::nw;
             for (int i = 0; i < S::nw * S::nw; ++i) W[i] = 0;
             clear_scratch(k);
             RowHessian<Model> rows{D, z, chain(k), cover_gradients.data() + k * parts * S::nw, blocks_.data(),
-                                   forces_.data(), cover_forces_.data(), W, pairs.data()};
+                                   forces_.data(), cover_forces_.data(), out.lines.data(), W, pairs.data()};
             visit_rows(problem_, layout_, v, at, k, rows);
             const int samples = layout_.sample[k + 1] - layout_.sample[k];
             for (int p = 0; p < samples; ++p) chain(k).add_block(p, blocks_[p].data(), W);
@@ -87,32 +88,17 @@ class Assembly {
             if (has_cover(k)) add_cover_curvature(v, k, W);
             add_objective(v, k, W);
             add_diagonal(k, diagonal, W);
+            collect_gradient(v, k, bounds, out.stages.data() + k * S::nw);
         }
     }
 
-    // scale * (objective's gradient) - J' b + bounds.
-    void set_gradient(const double* v, const Values<Model>& at, double scale, const double* b, const double* bounds,
-                      Gradient& out) {
-        const int parts = problem_.parts.size();
+    // The objective's gradient - J' b + bounds.
+    void set_gradient(const double* v, const Values<Model>& at, const double* b, const double* bounds, Gradient& out) {
         for (int k = 0; k < problem_.steps; ++k) {
-            double* g = out.stages.data() + k * S::nw;
-            for (int i = 0; i < S::nw; ++i) g[i] = 0;
             clear_scratch(k);
             RowForces rows{b, forces_.data(), cover_forces_.data(), out.lines.data()};
             visit_rows(problem_, layout_, v, at, k, rows);
-            const int samples = layout_.sample[k + 1] - layout_.sample[k];
-            for (int p = 0; p < samples; ++p) chain(k).add(p, forces_[p].data(), g);
-            if (has_cover(k))
-                for (int part = 0; part < parts; ++part) {
-                    const double* gradient = cover_gradients.data() + (k * parts + part) * S::nw;
-                    for (int i = 0; i < S::nw; ++i) g[i] += cover_forces_[part] * gradient[i];
-                }
-            add_objective_gradient(v, k, scale, g);
-            for (int i = 0; i < S::nx; ++i) g[i] += bounds[layout_.x(k) + i];
-            for (int i = 0; i < S::nu; ++i) g[S::nz + i] += bounds[layout_.u(k) + i];
-            if (k == 0) g[S::nx] += bounds[layout_.time];
-            if (k + 1 == problem_.steps)
-                for (int i = 0; i < S::nx; ++i) g[S::na + i] += bounds[layout_.x(k + 1) + i];
+            collect_gradient(v, k, bounds, out.stages.data() + k * S::nw);
         }
     }
 
@@ -181,6 +167,24 @@ class Assembly {
                 layout_.sample[k + 1] - layout_.sample[k] - 1};
     }
 
+    // From forces on poses and covers to the gradient with respect to w.
+    void collect_gradient(const double* v, int k, const double* bounds, double* g) const {
+        const int parts = problem_.parts.size(), samples = layout_.sample[k + 1] - layout_.sample[k];
+        for (int i = 0; i < S::nw; ++i) g[i] = 0;
+        for (int p = 0; p < samples; ++p) chain(k).add(p, forces_[p].data(), g);
+        if (has_cover(k))
+            for (int part = 0; part < parts; ++part) {
+                const double* gradient = cover_gradients.data() + (k * parts + part) * S::nw;
+                for (int i = 0; i < S::nw; ++i) g[i] += cover_forces_[part] * gradient[i];
+            }
+        add_objective_gradient(v, k, g);
+        for (int i = 0; i < S::nx; ++i) g[i] += bounds[layout_.x(k) + i];
+        for (int i = 0; i < S::nu; ++i) g[S::nz + i] += bounds[layout_.u(k) + i];
+        if (k == 0) g[S::nx] += bounds[layout_.time];
+        if (k + 1 == problem_.steps)
+            for (int i = 0; i < S::nx; ++i) g[S::na + i] += bounds[layout_.x(k + 1) + i];
+    }
+
     void clear_scratch(int k) {
         for (int p = 0; p < layout_.sample[k + 1] - layout_.sample[k]; ++p) forces_[p] = {}, blocks_[p] = {};
         for (double& force : cover_forces_) force = 0;
@@ -222,11 +226,11 @@ class Assembly {
         }
     }
 
-    void add_objective_gradient(const double* v, int k, double scale, double* g) const {
+    void add_objective_gradient(const double* v, int k, double* g) const {
         const double time = problem_.time_scaled ? v[layout_.time] : 1.0;
-        if (k == 0) g[S::nx] += scale * problem_.time_weight;
+        if (k == 0) g[S::nx] += problem_.time_weight;
         for (int i = 0; i < S::nu; ++i) {
-            const double u = v[layout_.u(k) + i], weight = scale * problem_.widths[k] * problem_.input_weights[i];
+            const double u = v[layout_.u(k) + i], weight = problem_.widths[k] * problem_.input_weights[i];
             g[S::nz + i] += 2 * time * weight * u;
             if (problem_.time_scaled) g[S::nx] += weight * u * u;
         }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -69,16 +70,14 @@ class Newton {
 
     // For tests: derivatives of f + lam . defects - z . rows at the point, as the Newton system has them.
     Lagrangian lagrangian() {
-        const double* v = point.v.data();
         const std::size_t n = point.v.size();
-        Vector nothing(n, 0.0), no_weights(layout_.rows, 0.0);
-        assembly_.evaluate(v, values_);
-        assembly_.differentiate_all(v, values_);
+        assembly_.evaluate(point.v.data(), values_);
+        assembly_.differentiate_all(point.v.data(), values_);
         std::fill(point.zb.begin(), point.zb.end(), 0.0);
+        std::fill(point.s.begin(), point.s.end(), std::numeric_limits<double>::infinity());  // no barrier
         lagrangian_gradient();
         Lagrangian out{residual_, Vector(n * n, 0.0)};
         out.gradient.insert(out.gradient.end(), gradient_.lines.begin(), gradient_.lines.end());
-        assembly_.set_hessian(v, values_, no_weights.data(), point.z.data(), point.lam.data(), nothing.data());
         for (int k = 0; k < problem_.steps; ++k) scatter(k, n, out.hessian);
         return out;
     }
@@ -127,12 +126,17 @@ class Newton {
         return std::isnan(rows) ? rows : std::max(rows, bounds);
     }
 
-    // Fills residual_; returns its largest entry among free variables, lines included.
+    // Assembles the Hessian and fills residual_; returns its largest entry among free variables, lines included.
     double lagrangian_gradient() {
+        for (int i = 0; i < layout_.rows; ++i) D_[i] = point.z[i] / point.s[i];
+        std::fill(bound_diagonal_.begin(), bound_diagonal_.end(), 0.0);
         std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
-        for (std::size_t i = 0; i < bounds_.size(); ++i)
+        for (std::size_t i = 0; i < bounds_.size(); ++i) {
+            bound_diagonal_[bounds_[i].index] += point.zb[i] / bounds_[i].slack(point.v);
             bound_gradient_[bounds_[i].index] -= bounds_[i].side * point.zb[i];
-        assembly_.set_gradient(point.v.data(), values_, 1.0, point.z.data(), bound_gradient_.data(), gradient_);
+        }
+        assembly_.set_hessian(point.v.data(), values_, D_.data(), point.z.data(), point.lam.data(),
+                              bound_diagonal_.data(), bound_gradient_.data(), gradient_);
         std::fill(residual_.begin(), residual_.end(), 0.0);
         for (int k = 0; k < problem_.steps; ++k) {
             const double *g = gradient_.stages.data() + k * S::nw, *lam = point.lam.data() + k * S::nx;
@@ -166,13 +170,8 @@ class Newton {
         return false;
     }
 
+    // What of the system depends on mu.
     void set_system() {
-        const double* v = point.v.data();
-        for (int i = 0; i < layout_.rows; ++i) D_[i] = point.z[i] / point.s[i];
-        std::fill(bound_diagonal_.begin(), bound_diagonal_.end(), 0.0);
-        for (std::size_t i = 0; i < bounds_.size(); ++i)
-            bound_diagonal_[bounds_[i].index] += point.zb[i] / bounds_[i].slack(point.v);
-        assembly_.set_hessian(v, values_, D_.data(), point.z.data(), point.lam.data(), bound_diagonal_.data());
         std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
         for (const Bound& bound : bounds_) bound_gradient_[bound.index] -= bound.side * mu_ / bound.slack(point.v);
     }
@@ -198,7 +197,7 @@ class Newton {
         const double mu = mu_, *s = point.s.data(), *z = point.z.data(), *D = D_.data(), *r = rows.data();
         double *b = b_.data(), *ds = step.s.data(), *dz = step.z.data();
         for (int i = 0; i < layout_.rows; ++i) b[i] = mu / s[i] - D[i] * r[i];
-        assembly_.set_gradient(v, values_, 1.0, b_.data(), bound_gradient_.data(), gradient_);
+        assembly_.set_gradient(v, values_, b_.data(), bound_gradient_.data(), gradient_);
         sweep_.solve(assembly_, gradient_, defects.data(), goal.data(), point.nu.data(), goal_penalty, step.v.data(),
                      step.lam.data(), step.nu.data());
         for (std::size_t i = 0; i < step.lam.size(); ++i) step.lam[i] -= point.lam[i];

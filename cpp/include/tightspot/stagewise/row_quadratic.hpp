@@ -80,6 +80,7 @@ struct RowHessian {
     Sextuple* blocks;               // of the sample poses
     Triple* forces;                 // -J' z on the sample poses
     double* cover_forces;           // -J' z on the covers
+    double* lines;                  // -J' z on the lines
     double* W;
     PairBlock<Model>* pairs;
     double cover_cover = 0, phi_cover = 0, mu_cover = 0;
@@ -101,6 +102,8 @@ struct RowHessian {
         }
         if (rows.pair < 0) return;
         PairBlock<Model>& pair = pairs[rows.pair];
+        lines[2 * rows.pair] -= rows.across * z0 + z1;
+        lines[2 * rows.pair + 1] += z0;
         const double a = rows.across, sa = s0 * a + s1;
         pair.phi_phi += s0 * a * a + 2 * a * s1 + s2 + z0 * rows.forward + ze;
         pair.phi_mu -= sa;
@@ -117,6 +120,7 @@ struct RowHessian {
         const Moments sums(rows, D + rows.row, z + rows.row);
         const double s0 = sums.s0, s1 = sums.s1, s2 = sums.s2, z0 = sums.z0, ze = sums.ze;
         PairBlock<Model>& pair = pairs[rows.pair];
+        lines[2 * rows.pair] = sums.z1, lines[2 * rows.pair + 1] = -z0;
         pair.phi_phi = s2 - ze, pair.phi_mu = -s1, pair.mu_mu = s0;
         for (int i = 0; i < S::nw; ++i) pair.phi[i] = pair.mu[i] = 0;
         const double kappa = rows.weight;

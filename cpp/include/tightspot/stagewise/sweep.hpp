@@ -50,7 +50,14 @@ class Sweep {
             if (!std::isnan(problem_.goal[i])) P[i * (nz + 1)] = goal_penalty;
         for (int k = problem_.steps - 1; k >= 0; --k) {
             const double* full = assembly.stages.data() + k * nw * nw;
-            for (int i = 0; i < nw * nw; ++i) W[i] = full[i];
+            if (assembly.coupled(k)) {
+                for (int i = 0; i < nw * nw; ++i) W[i] = full[i];
+            } else {
+                for (int r = 0; r < na; ++r)
+                    for (int c = 0; c < na; ++c) W[r * nw + c] = full[r * nw + c];
+                for (int r = na; r < nw; ++r)
+                    for (int c = na; c < nw; ++c) W[r * nw + c] = full[r * nw + c];
+            }
             eliminate_lines(assembly, k, regularisation, W);
             for (int i = 0; i < na; ++i) W[i * (nw + 1)] += regularisation;
             if (k + 1 == problem_.steps)
@@ -106,9 +113,10 @@ class Sweep {
     static bool step_back(bool coupled, const double* W, const double* F, double* P, StageFactor& out) {
         for (int i = 0; i < nx; ++i) {
             for (int j = 0; j < nx; ++j) P[i * nz + j] += W[(na + i) * nw + na + j];
+            for (int c = 0; c < na; ++c) out.mixed[i * na + c] = coupled && c != nx ? W[(na + i) * nw + c] : 0;
+            if (!coupled) continue;
             P[i * nz + nx] += W[(na + i) * nw + nx];
             P[nx * nz + i] += W[(na + i) * nw + nx];
-            for (int c = 0; c < na; ++c) out.mixed[i * na + c] = c == nx ? 0 : W[(na + i) * nw + c];
         }
         for (int i = 0; i < nz * nz; ++i) out.ahead[i] = P[i];
         double M[nz * na], G[na * na];
