@@ -71,7 +71,7 @@ FILES = {
         [],
     ),
     "object.yaml": (b"!!python/object/apply:os.system ['true']", []),
-    "entities.xml": (b'<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', ["XML"]),
+    "entities.xml": (b'<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', ["DOCTYPE"]),
     "unknown.dxf": (b"0", ["unknown.dxf", ".yaml"]),
     "short.csv": (b"1,2,3", ["short.csv", "3"]),
     "words.csv": (b"x,y,theta", ["value 1", "TPCAP"]),
