@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import threading
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -264,3 +265,36 @@ def test_a_small_robot_is_searched_for_at_its_own_scale():
     assert result.status is SearchStatus.FOUND
     assert result.expansions < 5000
     assert result.path.gear_changes <= 3
+
+
+def test_a_hopeless_search_ends_after_its_first_resolution() -> None:
+    asked = []
+
+    def is_hopeless() -> bool:
+        asked.append(True)
+        return True
+
+    scene = gate(2.0)  # a disc about the axle fits through, the car does not
+    options = HybridAStarOptions(resolutions=(COARSE, MEDIUM), margins=(0.05, 0.02))
+    result = search(*scene, options, is_hopeless=is_hopeless)
+    assert result.path is None
+    assert len(asked) == 1
+    assert {attempt.resolution for attempt in result.attempts} == {COARSE}
+    assert {attempt.margin for attempt in result.attempts} == {0.05, 0.02}
+
+
+def test_what_a_closed_scene_leaves_reachable_is_kept() -> None:
+    """Though it is known at once that there is no way, the poses that can be reached are looked at if they are kept."""
+    wall = ConvexPolygon.rectangle(8, 8.5, -5, 5)
+    scene = ConvexPolygon.rectangle(-3, 16, -5, 5), [wall], PAPER, (0, 0, 0), (12, 0, 0)
+    options = HybridAStarOptions(resolutions=(COARSE,), margins=(0.05,), directions=(Direction.FORWARD,))
+    quick = search(*scene, options)
+    assert quick.is_proof
+    assert quick.expansions == 0
+    kept = search(*scene, replace(options, keep_closed=True))
+    assert kept.is_proof
+    assert kept.status is quick.status
+    assert len(kept.closed_poses) == kept.expansions > 1000
+    assert kept.closed_poses[:, 0].max() < 8 - 0.9
+    ahead = kept.closed_poses[np.abs(kept.closed_poses[:, 2]) < 0.01]
+    assert ahead[:, 0].max() > 8 - 3.7 - 1.0, "it gets near the wall"

@@ -14,13 +14,14 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from tightspot.errors import TightspotError
-from tightspot.guesses import Guess, GuessResult, HybridAStar, LinearInterpolation
+from tightspot.guesses import FreerEnds, Guess, GuessResult, HybridAStar, LinearInterpolation
 from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
 from tightspot.planner.course import certified, run_rounds
 from tightspot.planner.mesh import steps_for
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
+from tightspot.scenarios.bottleneck import is_closed
 from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, Resolution, SearchResult
 from tightspot.solvers import Stagewise
 
@@ -102,7 +103,8 @@ def members_of(request: Request) -> list[Member]:
         "no more than the margin": bare,
     }
     searches = [Member(f"hybrid-astar, {name}", _search(request, **options)) for name, options in variants.items()]
-    return [chosen, finer, *searches, Member("linear", LinearInterpolation())]
+    others = [Member(member.name, member) for member in (FreerEnds(), LinearInterpolation())]
+    return [chosen, finer, *others, *searches]
 
 
 def _search(request: Request, **options: Any) -> HybridAStar:
@@ -140,7 +142,7 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
     tried: list[Course] = []
     if effort == "balanced":
         tried = [run_course(quick, members[0], tell, deadline)]
-        if tried[0].certified or _hopeless(tried[0]):
+        if tried[0].certified or _hopeless(request, tried[0]):
             return tried
         members = members[1:]
     tried += _on_all_cores(quick, members, tell, deadline, stop_at_first=effort == "balanced")
@@ -157,10 +159,12 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
     return tried
 
 
-def _hopeless(course: Course) -> bool:
+def _hopeless(request: Request, course: Course) -> bool:
     """It is proved that there is no way, whatever the guess."""
     result = course.found.details
-    return isinstance(result, SearchResult) and result.path is None and (result.is_proof or result.is_hopeless)
+    if isinstance(result, SearchResult) and result.path is None and result.is_proof:
+        return True
+    return is_closed(request.scenario, request.vehicle, request.margin)
 
 
 def _on_all_cores(

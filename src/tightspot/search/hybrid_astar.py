@@ -70,13 +70,13 @@ def search(
     attempts: list[Attempt] = []
     closed: list[Array] = []
     deadline = time.monotonic() + options.time_limit
-    first, hopeless = options.resolutions[0], False
+    first = options.resolutions[0]
     for resolution, margin, direction in _ladder(options):
         seconds_left = deadline - time.monotonic()
         if _is_settled(resolution, margin, attempts) or (attempts and seconds_left <= 0):
             continue
         if is_hopeless is not None and resolution is not first:
-            if hopeless := is_hopeless():
+            if is_hopeless():
                 break
             is_hopeless = None
         attempt, arcs, poses = scene.attempt(resolution, margin, direction, seconds_left)
@@ -85,7 +85,7 @@ def search(
         if attempt.outcome is SearchStatus.FOUND:
             path = Path.from_arcs(start, arcs, options.spacing, goal)
             return SearchResult(SearchStatus.FOUND, path, tuple(attempts), np.concatenate(closed))
-    return SearchResult(_verdict(attempts), None, tuple(attempts), np.concatenate(closed), hopeless)
+    return SearchResult(_verdict(attempts), None, tuple(attempts), np.concatenate(closed))
 
 
 def _ladder(options: HybridAStarOptions) -> Iterator[tuple[Resolution, float, Direction]]:

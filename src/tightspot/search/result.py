@@ -85,14 +85,12 @@ class SearchResult:
         path: ``None`` unless the status is ``FOUND``.
         attempts: What was tried, in order.
         closed_poses: With ``keep_closed``: the poses expanded, shape (n, 3); otherwise (0, 3).
-        is_hopeless: Whether it was ended because the caller knew that there is no way.
     """
 
     status: SearchStatus
     path: Path | None
     attempts: tuple[Attempt, ...]
     closed_poses: Array
-    is_hopeless: bool = False
 
     @property
     def is_proof(self) -> bool:
