@@ -96,6 +96,13 @@ def test_a_blocked_goal_is_exit_code_2_in_the_coordinates_of_the_file(cli: Any, 
     assert sum(line.startswith("error: goal: ") for line in result.err.splitlines()) == 2
 
 
+def test_bad_input_writes_nothing_unless_a_directory_is_given(cli: Any, scene: Any) -> None:
+    result = cli("plan", scene(POCKET))
+    assert result.code == 2
+    assert all(line.startswith("error: goal: ") for line in result.err.splitlines())
+    assert os.listdir() == []
+
+
 def test_explain_finds_what_passes_and_says_so(cli: Any, scene: Any) -> None:
     result = cli("plan", scene(GAP), "--explain", "--json", "--no-picture")
     assert result.code == 1

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tightspot.cli.console import answers, notes, print_json, print_line
-from tightspot.cli.failures import failure_of
+from tightspot.cli.failures import REFUSED, failure_of
 from tightspot.cli.interrupts import InterruptWatch
 from tightspot.cli.output_files import PLAN, check_directory, default_directory, write_failure, write_plan
 from tightspot.cli.progress import ProgressView
@@ -146,11 +146,15 @@ def _plan(
 def _explained(
     error: PlanningError | BlockedError, output: Path | None, *, picture: bool, quiet: bool, as_json: bool
 ) -> int:
-    """Say why there is no plan and draw it; the answer's exit code, whatever becomes of the picture."""
+    """Say why there is no plan and draw it; the answer's exit code, whatever becomes of the picture.
+
+    For bad input nothing is written unless a directory is given.
+    """
     failure, explanation = failure_of(error), error.explanation
     advice = list(failure.advice)
     files: dict[str, str] = {}
-    if picture and explanation is not None and importlib.util.find_spec("matplotlib") is not None:
+    drawable = importlib.util.find_spec("matplotlib") is not None
+    if picture and drawable and explanation is not None and (output or failure.code == REFUSED):
         directory = output or default_directory(explanation.scenario.name)
         try:
             files = write_failure(explanation, directory)
