@@ -30,9 +30,11 @@ if TYPE_CHECKING:
         TightspotError,
         VehicleError,
     )
+    from tightspot.exports import export_plan
     from tightspot.geometry import ConvexPolygon
     from tightspot.planner import Explanation, FailureKind, Progress, minimum_penetration, plan
     from tightspot.scenarios import Obstacle, Scenario, load
+    from tightspot.scenarios.readers.commonroad import read_commonroad, read_commonroad_solution, write_commonroad
     from tightspot.trajectory import Trajectory
     from tightspot.transcription import Objective
     from tightspot.vehicles import SingleTrack, VehicleModel, load_vehicle, vehicle
@@ -60,9 +62,11 @@ _ROOMS = {
         "TightspotError",
         "VehicleError",
     ),
+    "tightspot.exports": ("export_plan",),
     "tightspot.geometry": ("ConvexPolygon",),
     "tightspot.planner": ("Explanation", "FailureKind", "Progress", "minimum_penetration", "plan"),
     "tightspot.scenarios": ("Obstacle", "Scenario", "load"),
+    "tightspot.scenarios.readers.commonroad": ("read_commonroad", "read_commonroad_solution", "write_commonroad"),
     "tightspot.trajectory": ("Trajectory",),
     "tightspot.transcription": ("Objective",),
     "tightspot.vehicles": ("SingleTrack", "VehicleModel", "load_vehicle", "vehicle"),
@@ -123,14 +127,18 @@ __all__ = [
     "VehicleModel",
     "Verdict",
     "__version__",
+    "export_plan",
     "load",
     "load_plan",
     "load_vehicle",
     "minimum_penetration",
     "plan",
+    "read_commonroad",
+    "read_commonroad_solution",
     "save_plan",
     "vehicle",
     "verify",
     "verify_plan",
+    "write_commonroad",
     "write_trajectory_csv",
 ]

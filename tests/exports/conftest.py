@@ -13,7 +13,7 @@ from tightspot.verification import Plan, replay, verify
 
 CAR = "commonroad-bmw-320i"
 FAR = (4_484_378_812.0, -354_286_011.0)
-START = np.array([1.0, -0.5, 0.4, 0.0, 0.1])
+START = np.array([0.25, -0.25, 0.4, 0.0, 0.1])
 # Forward and back again, steering while all but standing; no duration is a multiple of a time step.
 INPUTS = np.array([[1.0, 0.3], [0.2, -0.2], [-1.1, -0.1], [0.0, 0.35], [-0.8, 0.1], [0.1, -0.3], [0.6 / 0.9, -0.1]])
 DURATIONS = np.array([0.83, 0.77, 0.9, 0.37, 0.83, 0.7, 0.9])

@@ -111,6 +111,19 @@ def test_a_scenario_file_is_compared_with_the_plan(plan: Plan, tmp_path: Path) -
     assert not (tmp_path / "t.xml").exists()
 
 
+def test_a_recentred_scenario_file_gets_a_recentred_solution(far_plan: Plan, tmp_path: Path) -> None:
+    there, near = tmp_path / "there.xml", tmp_path / "near.xml"
+    write_commonroad(far_plan.scenario, there)
+    write_commonroad(far_plan.scenario.with_(offset=np.zeros(2)), near)
+    starts = []
+    for file in (there, near):
+        write_commonroad_solution(far_plan, tmp_path / "s.xml", scenario_file=file)
+        starts.append(read_commonroad_solution(tmp_path / "s.xml").trajectory.states[0, :2])
+    assert starts[0] == pytest.approx(far_plan.sample(0.0)[:2], abs=1e-6)
+    assert starts[1] == pytest.approx(far_plan.trajectory.sample(0.0)[:2], abs=1e-6)
+    assert np.abs(starts[1]).max() < 100
+
+
 def test_other_vehicles_need_to_say_as_which_they_shall_be_judged(tmp_path: Path) -> None:
     plan = make_plan(car="tpcap")
     with pytest.raises(InputError, match="'tpcap' is none of CommonRoad's"):

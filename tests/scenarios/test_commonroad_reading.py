@@ -120,7 +120,7 @@ def test_what_moves_is_refused_with_the_remedies(read, problems):
     parked = moving(34, (9, -9, 0), (9, -9, 0))
     found = problems(lambda: read(MOVER, parked))
     assert list(found) == ["dynamicObstacle"]
-    for words in ("1 obstacle is (33) moving", 'moving="initial"', 'moving="ignore"'):
+    for words in ("1 obstacle is (33) moving", "--moving initial", 'moving="ignore"'):
         assert words in found["dynamicObstacle"]
 
 
@@ -262,7 +262,9 @@ ROAD = (
 
 
 def test_the_road_is_no_boundary_unless_that_is_asked_for(read):
-    assert read(*ROAD).obstacles == ()
+    plain = read(*ROAD)
+    assert plain.obstacles == ()
+    assert "The 2 lanelets are no boundary here" in plain.description
     scene = read(*ROAD, lanelets="boundary")
     assert scene.workspace.to_shapely().equals(shapely.box(-10, -4, 30, 4))
     assert scene.obstacles == (), "the gap of 5 mm between the lanes belongs to the road"

@@ -61,9 +61,9 @@ def write_commonroad_solution(
     Args:
         plan: The plan. Whether it is certified is not asked here.
         path: Where to.
-        scenario_file: The CommonRoad scenario that is solved: its id, problem and time step are taken from it. Default:
-            the file that the plan's scene was read from, as noted in ``source``; else the one that
-            :func:`write_commonroad` would make of the scene.
+        scenario_file: The CommonRoad scenario that is solved: its id, problem and time step are taken from it; its
+            coordinates may be the scene's original or its recentred ones. Default: the file that the plan's scene
+            was read from, as noted in ``source``; else the one that :func:`write_commonroad` would make of the scene.
         problem: Id of the planning problem, default: the first in the file or the noted one.
         dt: The scenario's time step, s; default: from the same place.
         vehicle_type: CommonRoad's vehicle, 1 to 4. Needed if the plan's is not one of those (catalogue names
@@ -89,6 +89,8 @@ def write_commonroad_solution(
     offset = reference_offset(vehicle(VEHICLE_TYPES[number]), checked_reference(reference))
     states, slower = sampled(plan, origin.dt)
     states[:, :2] = to_reference(states[:, :3], offset)
+    if task is not None:
+        states[:, :2] += _shift(states[0, :2], task, plan.scenario.offset)
     states[:, 2] = _headings(states[:, 2], wrap_angle(float(plan.scenario.start[2])) if task is None else task.start[2])
     notes = _notes(states, task, slower)
     root = Element("CommonRoadSolution", _header(plan, number, cost, origin, date or datetime.datetime.now()))
@@ -152,6 +154,17 @@ def _headings(headings: Array, start: float) -> Array:
     first = float(headings[0])
     moved = headings + (nearest_angle(first, float(start)) - first)
     return np.asarray(np.where(np.abs(moved) > _WHOLE_TURN, wrap_angle(moved), moved))
+
+
+def _shift(start: Array, task: Task, offset: Array) -> Array:
+    """What leads from original coordinates to the file's: nothing, or the recentring if the file is recentred."""
+    for shift in (np.zeros(2), -offset):
+        if np.hypot(*(start + shift - task.start[:2])) <= FAR:
+            return shift
+    gap = float(np.hypot(*(start - task.start[:2])))
+    place = f"({task.start[0]:g}, {task.start[1]:g})"
+    sentence = f"planning problem {task.origin.problem} starts at {place}, the plan {gap:.3g} m from there"
+    raise InputError(Problem("scenario_file", f"{sentence}; is it a plan of this scenario and this reference point?"))
 
 
 def _notes(states: Array, task: Task | None, slower: float) -> list[str]:

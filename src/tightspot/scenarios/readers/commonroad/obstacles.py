@@ -149,7 +149,8 @@ def _poses(trajectory: Node) -> Iterator[Array | None]:
 def _refusal(movers: list[str]) -> str:
     return (
         f"{_these(movers)} moving; tightspot plans among obstacles that stand still. Read them as standing where they "
-        'begin (moving="initial") or leave them out (moving="ignore"); a plan is then certified for that only'
+        'begin (moving="initial"; on the command line: tightspot convert IN OUT --moving initial) or leave them out '
+        '(moving="ignore"); a plan is then certified for that only'
     )
 
 

@@ -107,7 +107,7 @@ def read_commonroad(
     if problems or mission is None:
         raise SceneError(shortened(problems))
     origin = Origin(root.attribute("benchmarkID")[:200] or path.stem[:200], mission.number, dt)
-    data: dict[str, Any] = {"name": origin.benchmark, "source": str(origin), "description": " ".join(notes)}
+    data: dict[str, Any] = {"name": origin.benchmark, "source": str(origin)}
     data |= remainder.plain_fields(known) | {"vehicle": described} | mission.fields
     workspace, blocks = remainder.confirmed_workspace(known, root, blocks)
     obstacles, paths = remainder.obstacles(known, blocks)
@@ -115,6 +115,9 @@ def read_commonroad(
         data["workspace"] = workspace
     elif lanelets == "boundary":
         obstacles += _boundary(data, list(road.values()))
+    elif road:
+        notes.append(f"The {len(road)} lanelets are no boundary here: the vehicle may leave the road.")
+    data.setdefault("description", " ".join(notes))
     return _scenario(data | {"obstacles": obstacles}, paths, path.stem)
 
 
