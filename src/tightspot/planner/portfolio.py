@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from tightspot.errors import TightspotError
-from tightspot.guesses import FreerEnds, Guess, GuessResult, HybridAStar, LinearInterpolation
+from tightspot.guesses import Guess, GuessResult, HybridAStar, LinearInterpolation
 from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
 from tightspot.planner.course import certified, run_rounds
 from tightspot.planner.mesh import steps_for
@@ -98,13 +98,12 @@ def members_of(request: Request) -> list[Member]:
         "from the wider end": {"directions": (Direction.WIDE_END, Direction.TIGHT_END)},
         "few gear changes": {"gear_change": 10.0},
         "many gear changes": {"gear_change": 0.3, "steering_change": 0.1},
-        "small steering angles": {"resolutions": (FINE, FINEST, ULTRA), "steering_levels": 9, **bare},
+        "small steering angles": {"resolutions": (FINE, FINEST, ULTRA), "steering_levels": 15, **bare},
         "forwards": {"reverse": 3.0},
         "no more than the margin": bare,
     }
     searches = [Member(f"hybrid-astar, {name}", _search(request, **options)) for name, options in variants.items()]
-    others = [Member(member.name, member) for member in (FreerEnds(), LinearInterpolation())]
-    return [chosen, finer, *others, *searches]
+    return [chosen, finer, *searches, Member("linear", LinearInterpolation())]
 
 
 def _search(request: Request, **options: Any) -> HybridAStar:
@@ -113,11 +112,14 @@ def _search(request: Request, **options: Any) -> HybridAStar:
     return HybridAStar(HybridAStarOptions(**(common | options), time_limit=SEARCH_SECONDS))
 
 
-def run_course(request: Request, member: Member, tell: ProgressCallback, deadline: float) -> Course:
-    """The member's guess, then rounds until one is certified or nothing is left to try."""
+def run_course(
+    request: Request, member: Member, tell: ProgressCallback, deadline: float, found: GuessResult | None = None
+) -> Course:
+    """The member's guess, if it is not given, then rounds until one is certified or nothing is left to try."""
     started = time.perf_counter()
-    tell(Progress("guess", f"initial guess by {member.name}"))
-    found = member.guess.make(request.scenario, request.vehicle, margin=request.margin)
+    if found is None:
+        tell(Progress("guess", f"initial guess by {member.name}"))
+        found = member.guess.make(request.scenario, request.vehicle, margin=request.margin)
     guessed = time.perf_counter() - started
     rounds: list[Round] = []
     if found.trajectory is not None:
@@ -150,11 +152,12 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
     if good:
         best = min(good, key=lambda course: course.objective(request))
         return [*(course for course in tried if course is not best), best]
-    if request.fallbacks and time.perf_counter() < deadline:
-        first = next((course.member for course in tried if course.rounds), members_of(request)[0])
+    first = next((course for course in tried if course.rounds), None)
+    if request.fallbacks and first is not None and time.perf_counter() < deadline:
         slow = replace(request, solver=request.fallbacks[0], fallbacks=request.fallbacks[1:])
-        tried.append(run_course(slow, replace(first, name=f"{first.name}, {slow.solver.name}"), tell, deadline))
-    elif tried:
+        member = replace(first.member, name=f"{first.member.name}, {slow.solver.name}")
+        tried.append(run_course(slow, member, tell, deadline, first.found))
+    else:
         tried.sort(key=lambda course: bool(course.rounds))
     return tried
 
