@@ -115,12 +115,12 @@ def penetration_words(
         found += f"{-near.depth:.3f} m of obstacle {where}"
         least = math.floor(-1000 * near.depth) / 1000
         remedy = f"Ask for a margin of {least:g} m or less, or make room at obstacle {name!r}"
-    found += f" (the solver: {stop.status.sentence.rstrip('.')})"
+    found += f". {stop.status.sentence}"
     if narrow is not None:
         return f"{found}. There can be none: {narrow.describe(request.scenario.offset)}.", _widen(
             request, narrow, deeper
         )
-    return f"{found}.", _asked(f"{remedy}, or take another guess (--guess).", deeper)
+    return found, _asked(f"{remedy}, or take another guess (--guess).", deeper)
 
 
 def certificate_words(request: Request, rounds: list[Round], deeper: Deeper | None) -> tuple[str, str]:
