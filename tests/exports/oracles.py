@@ -52,7 +52,9 @@ for scenario_file, solution_file in zip(sys.argv[1::2], sys.argv[2::2]):
     solution = CommonRoadSolutionReader.open(solution_file)
     (answer,) = solution.planning_problem_solutions
     facts = {"benchmark": solution.benchmark_id, "states": len(answer.trajectory.state_list)}
-    facts["last"] = answer.trajectory.state_list[-1].position.tolist()
+    shapes = [obstacle.occupancy_at_time(0).shape for obstacle in scenario.static_obstacles]
+    facts["polygons"] = [s.vertices.tolist() for s in shapes if hasattr(s, "vertices")]
+    facts["circles"] = [[*s.center, s.radius] for s in shapes if hasattr(s, "radius")]
     for name, check in {
         "solved": lambda: checker.solved_all_problems(problems, solution),
         "starts": lambda: checker.starts_at_correct_state(solution, problems),

@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
+import tightspot
 from tightspot.errors import InputError
 from tightspot.exports import write_commonroad_solution
 from tightspot.scenarios.readers.commonroad import (
@@ -23,6 +25,7 @@ from tightspot.vehicles import CATALOGUE, vehicle
 from tightspot.vehicles.commonroad import VEHICLE_TYPES
 from tightspot.verification import Plan
 
+from ..scenarios import commonroad_text as text
 from .conftest import CAR, make_plan
 from .oracles import CHECKS, checked, driven
 
@@ -196,3 +199,32 @@ def test_commonroad_s_checkers_accept_scenario_and_solution(plan: Plan, moving_p
     assert good["benchmark"] == "KS2:JB1:ZAM_ByHand-1_1:2020a"
     assert good["states"] == 54
     assert "collision" in str(bad["free"]), "the oracle is awake"
+
+
+def test_a_scenario_from_elsewhere_is_planned_and_its_solution_accepted(tmp_path: Path) -> None:
+    """Whatever their reader takes for occupied, ours does, too; and the plan reaches their goal."""
+    goal = text.goal(
+        text.rectangle(3, 2, (24, 4), 0.1),
+        text.interval("orientation", -0.1, 0.3) + text.interval("velocity", 0, 1),
+        400,
+    )
+    road = text.lanelet(1, [(-15, 12), (40, 12)], [(-15, -12), (40, -12)])
+    parked = [
+        text.static(12, text.rectangle(4.2, 1.9), text.state(9, 2.5, 0.3)),
+        text.static(13, text.circle(1.5), text.state(15, -4, 1.0)),
+        text.static(14, text.polygon((-1, -1), (2, -1), (2, 0), (0, 0.5), (-1, 2)), text.state(17, 7, 0.0)),
+    ]
+    theirs, solution = tmp_path / "theirs.xml", tmp_path / "solution.xml"
+    theirs.write_text(text.scenario(road, *parked, problems=text.problem(7, goals=goal)))
+    scene = read_commonroad(theirs)
+    plan = tightspot.plan(scene)
+    assert write_commonroad_solution(plan, solution) == []
+    (facts,) = checked((theirs, solution))
+    assert {name: facts[name] for name in CHECKS} == dict.fromkeys(CHECKS, True)
+    assert facts["benchmark"] == "KS2:JB1:DEU_Test-1_1_T-1:2020a"
+    ours = shapely.union_all([part.to_shapely() for _, part in scene.obstacle_parts])
+    circles = [shapely.Point(x, y).buffer(radius, 64) for x, y, radius in facts["circles"]]
+    blocked = shapely.union_all([*map(shapely.Polygon, facts["polygons"]), *circles])
+    assert len(circles) == 1
+    assert blocked.difference(ours).area < 1e-9
+    assert ours.difference(blocked).area < 2 * np.pi * 1.5 * 0.02

@@ -73,7 +73,10 @@ def problem(number: int = 5, start: str = "", goals: str = "") -> str:
 
 def scenario(*parts: str, version: str = "2020a", dt: object = "0.1", problems: str | None = None) -> str:
     header = f'timeStepSize="{dt}" commonRoadVersion="{version}" benchmarkID="DEU_Test-1_1_T-1" date="2020-01-07"'
+    where = "<geoNameId>-999</geoNameId><gpsLatitude>999</gpsLatitude><gpsLongitude>999</gpsLongitude>"
+    head = f"<location>{where}</location><scenarioTags><urban/></scenarioTags>"
+    body = "".join(parts) + (problem() if problems is None else problems)
     return (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<commonRoad {header} author="x" affiliation="x" source="x">'
-        f"{''.join(parts)}{problem() if problems is None else problems}</commonRoad>"
+        f"{head}{body}</commonRoad>"
     )
