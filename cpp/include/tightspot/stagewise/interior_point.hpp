@@ -23,6 +23,7 @@ class InteriorPoint : public Newton<Model> {
     using Base::problem_, Base::row_residual_, Base::scale_, Base::set_goal_residual, Base::set_system;
     using Base::stationarity_, Base::values_, Base::violation_;
     static constexpr double first_regularisation = 3;  // keeps the first steps short; falls threefold each iteration
+    static constexpr int patience = 60;  // iterations without progress at a feasible point
     static constexpr double smallest_barrier_of_tolerance = 0.1;
 
    public:
@@ -46,7 +47,8 @@ class InteriorPoint : public Newton<Model> {
         filter_.clear(), last_regularisation_ = 0, large_violation_ = -1;
         options_ = options, mu_ = options.initial_barrier;
         if (!initialise()) return finish(outcome, Status::numerical, seconds());
-        int acceptable = 0, failures = 0;
+        int acceptable = 0, failures = 0, since_best = 0;
+        double best = std::numeric_limits<double>::infinity();
         for (int iteration = 0;; ++iteration) {
             Record record = measure(iteration);
             outcome.iterations = iteration;
@@ -54,6 +56,8 @@ class InteriorPoint : public Newton<Model> {
             const double all = record.violation + record.stationarity + record.complementarity + record.objective;
             const bool stop = callback && !callback(record);
             Status status = Status::solved;
+            since_best = error < 0.5 * best ? 0 : since_best + 1;
+            best = std::min(best, error);
             acceptable = error <= options.acceptable_tolerance ? acceptable + 1 : 0;
             if (!std::isfinite(all)) status = Status::numerical;
             else if (error <= options.tolerance) status = Status::solved;
@@ -62,6 +66,8 @@ class InteriorPoint : public Newton<Model> {
             else if (iteration >= options.max_iterations) status = Status::iteration_limit;
             else if (seconds() > options.time_limit) status = Status::time_limit;
             else if (diverged()) status = Status::diverged;
+            else if (since_best > patience && record.violation <= options.acceptable_tolerance)
+                status = error <= options.acceptable_tolerance ? Status::acceptable : Status::numerical;
             else {
                 update_barrier(iteration);
                 if (!advance(record, outcome, failures))

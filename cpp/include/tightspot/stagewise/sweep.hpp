@@ -16,8 +16,9 @@ struct LineInverse {
 
 // Inverse of [[a, b], [b, d]] with d > 0. If its Schur complement a - b^2/d is not clearly positive, a is raised so that
 // the complement becomes its own absolute value: the line's own convexification, which leaves the vehicle's alone.
-inline LineInverse invert_line(double a, double b, double d, double smallest) {
-    const double ratio = b / d, floor = smallest * std::max(1.0, std::abs(b * ratio));
+inline LineInverse invert_line(double a, double b, double d) {
+    // a is a sum as large as b^2/d; what is left of it must stand out from its rounding.
+    const double ratio = b / d, floor = std::max(1e-10, 1e-13 * std::abs(b * ratio));
     double complement = a - b * ratio;
     if (!(complement > floor)) complement = std::max(10 * floor, std::abs(complement));
     const double inverse = 1 / complement;
@@ -98,7 +99,7 @@ class Sweep {
         for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
             const PairBlock<Model>& pair = assembly.pairs[i];
             const LineInverse inverse = inverses_[i] = invert_line(pair.phi_phi + regularisation, pair.phi_mu,
-                                                                   pair.mu_mu + regularisation, 1e-9);
+                                                                   pair.mu_mu + regularisation);
             double phi[nw], mu[nw];
             for (int c = begin; c < end; ++c) {
                 phi[c] = inverse.phi_phi * pair.phi[c] + inverse.phi_mu * pair.mu[c];
