@@ -8,7 +8,7 @@ import pytest
 import tightspot
 from tightspot.errors import InputError, PlanningError
 from tightspot.guesses import GuessResult, HybridAStar, LinearInterpolation
-from tightspot.planner.portfolio import members_of
+from tightspot.planner.portfolio import members_of, random_members
 from tightspot.planner.request import Request, resolve
 from tightspot.scenarios import Scenario, builtin
 from tightspot.vehicles import VehicleModel
@@ -84,6 +84,14 @@ def test_a_scene_without_a_way_is_refused_with_what_was_tried() -> None:
     assert tried
     assert not any(entry["certified"] for entry in tried)
     assert np.isfinite([entry["seconds"] for entry in tried]).all()
+
+
+def test_what_is_drawn_depends_on_the_seed_only() -> None:
+    first, same, other = (random_members(asked(), 6, seed) for seed in (3, 3, 4))
+    assert [repr(member.guess) for member in first] == [repr(member.guess) for member in same]
+    assert [repr(member.guess) for member in first] != [repr(member.guess) for member in other]
+    assert all(0.6 <= member.finer <= 1.9 for member in first)
+    assert random_members(asked(guess_="linear"), 6, 3) == []
 
 
 def test_an_unknown_effort_is_named() -> None:

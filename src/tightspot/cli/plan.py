@@ -70,6 +70,7 @@ def plan_command(
         str | None,
         typer.Option(metavar="NAME", help="fast: one guess; balanced (default): until one is certified; best: all."),
     ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", help="Of what --effort best draws at random.")] = 0,
     explain: Annotated[
         bool,
         typer.Option(
@@ -100,6 +101,7 @@ def plan_command(
         "margin": margin,
         **({} if time_limit is None else {"time_limit": time_limit}),
         **({} if effort is None else {"effort": effort}),
+        "seed": seed,
         **({"explain": True} if explain else {}),
     }
     try:

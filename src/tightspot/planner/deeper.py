@@ -22,6 +22,7 @@ from tightspot.vehicles import body_width, narrowed
 MARGIN_ACCURACY = 0.005
 WIDTH_ACCURACY = 0.01
 PATIENCE_AS_IT_IS = 12.0
+FEW_PAIRS = 4
 
 
 def deeper_analysis(
@@ -59,8 +60,13 @@ def deeper_analysis(
 
 
 def with_defaults(request: Request) -> Request:
-    """The request with the planner's own formulation, solvers and number of steps."""
+    """The request with the planner's own formulation, solvers and number of steps.
+
+    Among many pairs there is no fall-back: the nonlinear program alone would take longer to build than there is time.
+    """
     solver, fallbacks = solvers_for(None, request.vehicle, SweptLine())
+    if len(request.vehicle.parts) * len(request.scenario.obstacle_parts) > FEW_PAIRS:
+        fallbacks = ()
     return replace(request, formulation=SweptLine(), solver=solver, fallbacks=fallbacks, steps=None)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from tightspot.errors import BlockedError, InputError
 from tightspot.guesses import GuessResult, HybridAStar
 from tightspot.planner.attempts import PENETRATION_SECONDS, Attempts, colliding_starts, least_penetration
-from tightspot.planner.deeper import deeper_analysis, with_defaults
+from tightspot.planner.deeper import PATIENCE_AS_IT_IS, deeper_analysis, with_defaults
 from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.passing import Deeper
 from tightspot.planner.penetration import Contact, Penetration
@@ -87,7 +87,7 @@ def _cured(
         return None
     request = with_defaults(request)
     attempts = Attempts(request, colliding_starts(request, None), tell, began + seconds)
-    verdict = attempts.verdict(request, seconds)
+    verdict = attempts.verdict(request, PATIENCE_AS_IT_IS)
     cured = None if verdict == "no time" else verdict == "passes"
     return Deeper(cured=cured, seconds=time.perf_counter() - began)
 

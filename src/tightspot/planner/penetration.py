@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 TOUCH = 1e-4
 SAMPLES = 12
-REACH = 3.0
+REACH = 1.5
 """Pairs that the start comes this near to are penalised from the beginning, m; others once they are penetrated."""
 PASSES = 4
 

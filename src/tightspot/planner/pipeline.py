@@ -41,6 +41,7 @@ def plan(
     refinements: int = 8,
     time_limit: float = 60.0,
     effort: str = "balanced",
+    seed: int = 0,
     explain: bool = False,
     progress: ProgressCallback | None = None,
 ) -> Plan:
@@ -64,6 +65,7 @@ def plan(
         effort: ``fast``: one guess. ``balanced``: if that fails, other guesses and meshes, until one is certified.
             ``best``: all of them, on all cores; the certified plan with the smallest J. The report's ``tried`` lists
             them.
+        seed: Of what ``best`` draws at random.
         explain: If there is no plan, find out what would pass: plan it from other guesses, with less margin and with a
             narrower body, for about a minute more. Nothing changes if there is a plan.
         progress: Called with news while it works.
@@ -95,7 +97,7 @@ def plan(
         car = resolve_vehicle(scene, vehicle)
         error.explanation = explain_blocked(error, scene, car, resolved, tell, seconds)
         raise
-    tried = run_portfolio(request, chosen, tell, started + time_limit)
+    tried = run_portfolio(request, chosen, tell, started + time_limit, seed)
     course = tried[-1]
     report = _report(request, tried, time.perf_counter() - started)
     last = course.rounds[-1] if course.rounds else None

@@ -13,6 +13,8 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+import numpy as np
+
 from tightspot.errors import TightspotError
 from tightspot.guesses import Guess, GuessResult, HybridAStar, LinearInterpolation
 from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
@@ -31,6 +33,7 @@ EFFORTS: tuple[Effort, ...] = ("fast", "balanced", "best")
 ULTRA = Resolution("ultra", cell=0.0125, heading_bins=720, step=0.03, max_expansions=300_000)
 """Beside a kerb only small steering angles and short steps are free."""
 
+RANDOM = 24
 SEARCH_SECONDS = 5.0
 COURSE_SECONDS = 10.0
 POLL_SECONDS = 0.1
@@ -106,6 +109,28 @@ def members_of(request: Request) -> list[Member]:
     return [chosen, finer, *searches, Member("linear", LinearInterpolation())]
 
 
+def random_members(request: Request, count: int, seed: int) -> list[Member]:
+    """More searches: what gear changes, reverse, steering and room cost is drawn at random, as are the intervals."""
+    if request.guess != HybridAStar():
+        return []
+    rng = np.random.default_rng(seed)
+    members = []
+    for index in range(count):
+        extra = float(rng.choice((0.0, 0.02, 0.05, 0.1, 0.2)))
+        options = {
+            "margins": tuple(dict.fromkeys((request.margin + extra, request.margin, request.margin / 2))),
+            "directions": (Direction.TIGHT_END, Direction.WIDE_END)[:: int(rng.choice((1, -1)))],
+            "curvature_factor": float(rng.uniform(0.6, 1.0)),
+            "gear_change": float(np.exp(rng.uniform(np.log(0.3), np.log(15.0)))),
+            "reverse": float(rng.choice((1.0, 1.0, 1.5, 3.0))),
+            "steering": float(rng.uniform(0.0, 0.5)),
+            "steering_change": float(rng.uniform(0.0, 1.0)),
+        }
+        finer = float(np.exp(rng.uniform(np.log(0.7), np.log(1.8))))
+        members.append(Member(f"hybrid-astar, random {seed}.{index}", _search(request, **options), finer))
+    return members
+
+
 def _search(request: Request, **options: Any) -> HybridAStar:
     margins = (*(request.margin + more for more in MORE_THAN_MARGIN), request.margin / 2)
     common: dict[str, Any] = {"margins": tuple(dict.fromkeys(margins)), "resolutions": (COARSE, MEDIUM, FINE)}
@@ -130,12 +155,14 @@ def run_course(
     return Course(member, found, rounds, guessed, time.perf_counter() - started)
 
 
-def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, deadline: float) -> list[Course]:
+def run_portfolio(
+    request: Request, effort: Effort, tell: ProgressCallback, deadline: float, seed: int = 0
+) -> list[Course]:
     """Courses in the order tried; the last one is the answer: a certified one if there is any.
 
     ``fast``: the first member with all solvers. ``balanced``: the first member with the first solver, then the others
-    on all cores until one is certified, then the first once more with the fall-back solvers. ``best``: all members on
-    all cores; the certified one with the smallest J.
+    on all cores until one is certified, then the first once more with the fall-back solvers. ``best``: all members and
+    ``RANDOM`` random ones on all cores; the certified one with the smallest J.
     """
     members = members_of(request)
     if effort == "fast":
@@ -147,6 +174,8 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
         if tried[0].certified or _hopeless(request, tried[0]):
             return tried
         members = members[1:]
+    else:
+        members += random_members(request, RANDOM, seed)
     tried += _on_all_cores(quick, members, tell, deadline, stop_at_first=effort == "balanced")
     good = [course for course in tried if course.certified]
     if good:

@@ -30,6 +30,8 @@ from tightspot.verification import Certificate, verify
 from tightspot.verification.replay import Replay, replay
 
 FEASIBLE = 1e-5
+WARM_BARRIER = 1e-3
+"""Small enough not to push a solution on a coarser mesh over into another valley."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,8 +197,13 @@ def _solved(
         return solver.solve(program().nlp, warm=warm, callback=watch)
     arguments = request.scenario, request.vehicle, step.start, settings
     problem = stage_problem(*arguments, grid=mesh.grid, active=mesh.active, walls=mesh.walls)
-    if before is not None and isinstance(before.report, StageReport):
-        problem = carry_lines(before.mesh.grid, before.report, problem)
+    if before is None or not isinstance(before.report, StageReport):
+        return solver.solve_stages(problem, callback=watch)
+    problem = carry_lines(before.mesh.grid, before.report, problem)
+    if solver.initial_barrier is None:
+        near = replace(solver, initial_barrier=WARM_BARRIER).solve_stages(problem, callback=watch)
+        if near.status.success:
+            return near
     return solver.solve_stages(problem, callback=watch)
 
 
