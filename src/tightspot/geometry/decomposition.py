@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tightspot.errors import GeometryError, Problem
 from tightspot.geometry.diagonals import Outline, few_diagonals
-from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.geometry.polygon import ConvexPolygon, is_convex
 from tightspot.geometry.rings import clean_ring, tolerance
 from tightspot.geometry.solids import solid_polygons
 
@@ -56,7 +57,7 @@ def convex_parts(polygons: Sequence[shapely.Polygon], name: str = "") -> tuple[C
     Raises:
         GeometryError: A polygon has no area, or is thinner than the rounding of its coordinates.
     """
-    for solid in (list(polygons), *_grown(polygons)):
+    for solid in itertools.chain([list(polygons)], _grown(polygons)):
         found = [_parts(piece) for piece in solid]
         if all(found):
             return tuple(part for parts in found for part in parts)
@@ -110,7 +111,10 @@ def _with_touching_points(i: int, rings: list[Array]) -> Array:
 def _parts(polygon: shapely.Polygon) -> tuple[ConvexPolygon, ...]:
     """The convex parts in a reproducible order, none if rounding keeps them from covering the polygon."""
     try:
-        outline = _outline(_rings(polygon))
+        rings = _rings(polygon)
+        if len(rings) == 1 and is_convex(rings[0]):
+            return (ConvexPolygon.from_vertices(rings[0]),)
+        outline = _outline(rings)
         diagonals = few_diagonals(outline)
         if diagonals is None:
             return ()

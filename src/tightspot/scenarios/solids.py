@@ -13,6 +13,8 @@ from tightspot.scenarios.obstacle import Obstacle, unique_names
 
 TOLERANCE = 1e-3
 """Solids reach out of the obstacles by at most this, m, and never fall short of them."""
+HAIR = 1e-8
+"""By this, m, parts are grown if rounding left cracks between them."""
 _SHARE = 0.4 * TOLERANCE  # for merging, and again for simplifying; the rest is left to decomposition
 
 
@@ -64,16 +66,25 @@ def solids(members: Sequence[Member]) -> tuple[Solid, ...]:
 def _solid(name: str, members: Sequence[Member]) -> Solid:
     parts = [part for member in members for part in member.parts]
     owners = [member.name for member in members for _ in member.parts]
+    region = [polygon for member in members for polygon in member.polygons]
     merged = [covers.Merged(part, (i,)) for i, part in enumerate(parts)]
     if len(parts) > 1:
-        region = [polygon for member in members for polygon in member.polygons]
         merged = covers.merged(parts, shapely.union_all([*region, *(p.to_shapely() for p in parts)]), _SHARE)
     return Solid(
         name=name,
         members=tuple(member.name for member in members),
-        parts=tuple(covers.simplified(item.polygon, _SHARE) for item in merged),
+        parts=_uncracked([covers.simplified(item.polygon, _SHARE) for item in merged], region),
         labels=tuple(_joined(list(dict.fromkeys(owners[i] for i in item.indices))) for item in merged),
     )
+
+
+def _uncracked(parts: Sequence[ConvexPolygon], region: Sequence[shapely.Polygon]) -> tuple[ConvexPolygon, ...]:
+    """The parts, grown by a hair if they do not cover the polygons to the last bit."""
+    cover = shapely.union_all([part.to_shapely() for part in parts])
+    shapely.prepare(cover)
+    if shapely.covers(cover, region).all():
+        return tuple(parts)
+    return tuple(ConvexPolygon.from_halfplanes(part.A, part.b + HAIR) for part in parts)
 
 
 def _touching(members: Sequence[Member]) -> list[list[int]]:

@@ -19,6 +19,7 @@ from tightspot.problems import join, shortened, shown
 from tightspot.scenarios.readers.given import Given, require_ends
 from tightspot.scenarios.readers.thickening import has_area, thickened_points, thickened_ring
 from tightspot.scenarios.scenario import Scenario
+from tightspot.scenarios.schema import MAX_VERTICES
 
 Array = NDArray[np.float64]
 
@@ -31,6 +32,20 @@ STATE_FIELDS = ("theta", "heading", "v", "delta")
 MIN_WIDTH = 0.02
 """Walls drawn as lines and posts drawn as points are at least this thick, m."""
 _TINY, _LARGEST_LONGITUDE, _LARGEST_LATITUDE = 0.2, 180.0, 90.0
+
+
+class Count:
+    """Counts the points of a drawing while it is read, so that reading ends where it gets too large."""
+
+    def __init__(self) -> None:
+        self.points = 0
+
+    def add(self, shape: Shape) -> Shape:
+        """The shape itself; raises :class:`SceneError` if there are too many points."""
+        self.points += sum(map(len, shape.rings))
+        if self.points > MAX_VERTICES:
+            raise SceneError(Problem("", f"the drawing has more than {MAX_VERTICES} points; simplify it, or split it"))
+        return shape
 
 
 class Shape(NamedTuple):
@@ -94,7 +109,7 @@ def scene_of(features: Sequence[Feature], whole: Mapping[str, Any], given: Given
         whole: Fields of the scene that are no geometry.
         given: What the caller says; it goes before the file.
         name: Of the scene if the file says none.
-        title: What a start looks like in this format, for messages; ``{}`` stands for the role.
+        title: What a start or goal looks like in this format, for messages; ROLE stands for the one meant.
 
     Raises:
         SceneError: With all problems, each with its feature.

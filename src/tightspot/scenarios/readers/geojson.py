@@ -53,7 +53,7 @@ def read_geojson(source: Source, given: Given) -> Scenario:
     whole = _whole(data.get(MEMBER), problems)
     if problems:
         raise SceneError(shortened(problems))
-    return scene_of(features, whole, given, source.name, "a feature with role {}")
+    return scene_of(features, whole, given, source.name, "a feature with role ROLE")
 
 
 def to_geojson(scenario: Scenario) -> str:

@@ -65,13 +65,15 @@ def require_ends(data: Mapping[str, Any], where: str) -> None:
 
     Args:
         data: The scene object.
-        where: How the file itself can say it, for example ``a feature with role start``.
+        where: How the file itself can say it, with ROLE for the one that is missing: ``a feature with role ROLE``.
 
     Raises:
         SceneError: One problem for each.
     """
     problems = [
-        Problem(key, f"is missing; give --{key} x,y,theta ({key}=(x, y, theta) in Python) or {where.format(key)}")
+        Problem(
+            key, f"is missing; give --{key} x,y,theta ({key}=(x, y, theta) in Python) or {where.replace('ROLE', key)}"
+        )
         for key in ("start", "goal")
         if data.get(key) is None
     ]

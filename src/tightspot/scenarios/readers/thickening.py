@@ -6,6 +6,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from tightspot.scenarios.schema import LARGEST_COORDINATE
+
 Array = NDArray[np.float64]
 
 THICKNESS = 1e-3
@@ -14,7 +16,9 @@ _THINNEST = 1e-5
 
 
 def has_area(ring: Array) -> bool:
-    """Whether the ring (n, 2) is wider than 0.01 mm."""
+    """Whether the ring (n, 2) is wider than 0.01 mm; of what is too large to be a place nobody asks."""
+    if np.abs(ring).max() > LARGEST_COORDINATE:
+        return True
     box = _box(ring)
     return bool(box.geom_type == "Polygon" and _width(box) > _THINNEST)
 
@@ -36,6 +40,8 @@ def thickened_points(points: Array, width: float) -> tuple[Array, ...]:
 
     The wall reaches half its width beyond both ends; a closed one has a hole. The octagon contains the disc.
     """
+    if np.abs(points).max() > LARGEST_COORDINATE:
+        return (points,)
     local = points - points[0]
     if (np.abs(local) <= _THINNEST).all():
         angle = np.pi / 8 + np.arange(8) * np.pi / 4

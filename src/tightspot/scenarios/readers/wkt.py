@@ -17,7 +17,7 @@ from typing import Any
 from tightspot.errors import Problem, SceneError
 from tightspot.problems import MOST_PROBLEMS, shortened, shown, unknown_key
 from tightspot.safe_yaml import UnreadableError, load_json
-from tightspot.scenarios.readers.features import PROJECT, ROLES, SCENE_FIELDS, Feature, scene_of
+from tightspot.scenarios.readers.features import PROJECT, ROLES, SCENE_FIELDS, Count, Feature, scene_of
 from tightspot.scenarios.readers.given import Given
 from tightspot.scenarios.readers.source import Source
 from tightspot.scenarios.readers.wkt_geometry import GEOMETRY, shapes_in
@@ -28,7 +28,7 @@ _ROLE = re.compile(rf"({'|'.join(ROLES)}|scene)(?:\s*[:,]\s*|\s+|$)", re.IGNOREC
 _SRID = re.compile(r"SRID\s*=\s*(\d{1,9})\s*$", re.IGNORECASE)
 _PROPERTY = re.compile(r"\s*([A-Za-z_]\w{0,40})\s*=\s*(.*)", re.DOTALL)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-_FIELD = re.compile(r'(?:"(?:[^"\\]|\\.)*"|[^;"])+|;|"')
+_PIECE = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"|[^;"]++|[;"]')
 _DEGREES = (4326, 4258, 4269)
 
 
@@ -46,10 +46,12 @@ def read_wkt(source: Source, given: Given) -> Scenario:
     whole: dict[str, Any] = {}
     problems: list[Problem] = []
     rows = _table(source.text, problems) if _has_header(source.text) else _lines(source.text, whole, problems)
-    features = []
+    features, count = [], Count()
     for where, geometry, properties in rows:
         try:
-            shapes = tuple(shapes_in(geometry))
+            shapes = tuple(map(count.add, shapes_in(geometry)))
+        except SceneError:
+            raise
         except ValueError as error:
             problems.append(Problem(where, str(error)))
             shapes = ()
@@ -59,7 +61,7 @@ def read_wkt(source: Source, given: Given) -> Scenario:
             break
     if problems:
         raise SceneError(shortened(problems))
-    return scene_of(features, whole, given, source.name, "a line `{}; POINT (x y); theta=...`")
+    return scene_of(features, whole, given, source.name, "a line `ROLE; POINT (x y); theta=...`")
 
 
 def to_wkt(scenario: Scenario) -> str:
@@ -154,7 +156,14 @@ def _parsed(line: str) -> tuple[str | None, str | None, dict[str, Any]]:
 
 def _fields(line: str) -> Iterator[str]:
     """What stands between semicolons, those within quotes left alone."""
-    return (piece for piece in _FIELD.findall(line) if piece != ";")
+    field: list[str] = []
+    for piece in _PIECE.finditer(line):
+        if piece[0] != ";":
+            field.append(piece[0])
+        elif field:
+            yield "".join(field)
+            field = []
+    yield "".join(field)
 
 
 def _heading_after(field: str) -> tuple[str, dict[str, Any]]:
@@ -214,8 +223,11 @@ def _table(text: str, problems: list[Problem]) -> Iterator[_Row]:
                 _check_srid(int(_SRID.match(srid.strip())[1]))  # type: ignore[index]
                 geometry = rest.strip()
             yield where, geometry, {key: value for key, value in cells.items() if key != header[column]}
-    except (csv.Error, ValueError) as error:
-        problems.append(Problem(f"line {reader.line_num}", f"cannot be read: {error}"))
+    except csv.Error as error:
+        advice = "; write long geometries one a line, not in a table" if "limit" in str(error) else ""
+        problems.append(Problem(f"line {reader.line_num}", f"cannot be read: {error}{advice}"))
+    except ValueError as error:
+        problems.append(Problem(f"line {reader.line_num}", str(error)))
 
 
 def _check_srid(number: int) -> None:

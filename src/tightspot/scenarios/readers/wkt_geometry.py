@@ -22,7 +22,8 @@ def shapes_in(text: str) -> Iterator[Shape]:
     if _depth(text) > MAX_DEPTH:
         raise ValueError(f"the geometry is nested more than {MAX_DEPTH} levels deep")
     try:
-        geometry = shapely.from_wkt(text)
+        with np.errstate(all="ignore"):
+            geometry = shapely.from_wkt(text)
     except (shapely.errors.GEOSException, ValueError, TypeError) as error:
         raise ValueError(_sentence(text, str(error))) from None
     yield from _simple(shapely.force_2d(geometry))

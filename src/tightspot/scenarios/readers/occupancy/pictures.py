@@ -98,8 +98,8 @@ def _pillow(path: Path, data: bytes) -> Picture:
         raise
     except Exception as error:  # what Pillow's decoders raise has no common base class
         kinds = ", ".join(("PGM", *_FORMATS))
-        reason = " ".join(str(error).split())[:100]
-        raise refuse(path, f"is not readable as a picture ({kinds}): {reason or type(error).__name__}") from None
+        reason = str(error).partition("<_io")[0] or type(error).__name__
+        raise refuse(path, f"is not readable as a picture ({kinds}): {' '.join(reason.split())[:100]}") from None
 
 
 def _cells(image: Any) -> Picture:

@@ -30,7 +30,7 @@ CELLS_OF_TOLERANCE = 2.0
 """How many cells outlines may reach out of the occupied ones if the file does not say, ..."""
 LARGEST_TOLERANCE = 0.1
 """... but no more than this, m, or than one cell if that is larger."""
-MAX_SIDES = 40_000
+MAX_SIDES = 30_000
 HAIR = 1e-6
 """Outlines are grown by this, m, so that no rounding uncovers the edge of a cell."""
 
@@ -65,7 +65,7 @@ def read_map(source: Source, given: Given) -> Scenario:
         raise refuse(source.path, "is no map: it needs image, resolution and origin as ROS's map_server writes them")
     spec, scene = read_spec(data)
     scene = given.over({"name": source.name, "source": f"occupancy map {source.path.name}"[:300], **scene})
-    require_ends(scene, f"the file's section {SECTION}: {{{{{{}}: {{x: ..., y: ..., theta: ...}}}}}}")
+    require_ends(scene, f"the file's section {SECTION}: {{ROLE: {{x: ..., y: ..., theta: ...}}}}")
     mask = occupied_cells(
         read_picture(picture_path(source.path, spec.image)),
         spec,
