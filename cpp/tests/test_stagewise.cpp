@@ -54,7 +54,8 @@ Problem problem(int steps, const std::vector<std::vector<double>>& obstacles, in
         p.walls.push_back({k, 0, {0, 1}, 6}), p.walls.push_back({k, 0, {1, 0}, 14});
         for (int s = 0; s <= pieces; ++s) {
             const int used = pieces > 1 || s == pieces;
-            p.pair_demands.push_back({0.05, pieces > 1 ? 0.5 : 0, used}), p.wall_demands.push_back({0, 0, used});
+            const bool given = (k == 0 && s == 0) || (k + 1 == steps && s == pieces);
+            p.pair_demands.push_back({0.05, pieces > 1 && !given ? 0.5 : 0, used}), p.wall_demands.push_back({0, 0, used});
         }
     }
     return p;
@@ -67,7 +68,8 @@ void start(Solver& solver) {
     std::fill(v.begin(), v.end(), 0.0);
     for (int k = 0; k <= layout.steps; ++k) {
         const double share = static_cast<double>(k) / layout.steps;
-        v[layout.x(k)] = 8 * share, v[layout.x(k) + 1] = 2 * share, v[layout.x(k) + 3] = 0.8;
+        v[layout.x(k)] = 8 * share, v[layout.x(k) + 1] = 2 * share * share * (3 - 2 * share), v[layout.x(k) + 3] = 0.8;
+        v[layout.x(k) + 2] = 1.5 * share * (1 - share);
     }
     v[layout.time] = 10;
     for (std::size_t i = 0; i < solver.problem().pairs.size(); ++i) v[layout.aux(static_cast<int>(i))] = -pi / 2;
@@ -116,7 +118,7 @@ TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
 }
 
 TEST(stagewise_takes_full_steps_at_the_end) {
-    Solver solver(problem(12, {{5, 9, 3.2, 5}}, 3));
+    Solver solver(problem(12, {{5, 9, 3.2, 5}}));
     start(solver);
     const Outcome outcome = solver.solve(Options{});
     CHECK(outcome.status == Status::solved);
@@ -176,7 +178,8 @@ TEST(stagewise_never_calls_the_impossible_solved) {
     Problem soon = problem(8, {});  // 8 m in 1 s at 1.5 m/s
     soon.time_high = 1;
     CHECK(solve(std::move(soon)).status != Status::solved);
-    Problem closed = problem(8, {{4, 5, -30, 30}});  // across the way
+    Problem closed = problem(8, {{4, 5, -30, 30}});  // across the way, and thicker than a step is long
+    closed.time_high = 12;
     CHECK(solve(std::move(closed)).status != Status::solved);
     for (double bad : {nan_, infinity, 1e200}) {
         Solver solver(problem(8, {{5, 9, 3.2, 5}}));
