@@ -128,7 +128,7 @@ nb::dict search(const CollisionChecker& checker, const Vector3& start, const Vec
             return PyErr_CheckSignals() != 0;
         });
         if (shortcuts && result.outcome == Outcome::found) {
-            result.arcs = Shortcutter(checker, options.cost).improve(from, std::move(result.arcs));
+            result.arcs = Shortcutter(checker, options.cost, options.gears).improve(from, std::move(result.arcs));
             result.cost = options.cost.path(result.arcs);
         }
     }
@@ -226,10 +226,16 @@ void bind_search(nb::module_& m) {
         .def_rw("cell", &SearchOptions::cell)
         .def_rw("heading_bins", &SearchOptions::heading_bins)
         .def_rw("step", &SearchOptions::step)
+        .def_rw("halvings", &SearchOptions::halvings)
         .def_rw("steering_levels", &SearchOptions::steering_levels)
         .def_rw("full_curvature", &SearchOptions::full_curvature)
         .def_rw("cost", &SearchOptions::cost)
         .def_rw("heuristic_weight", &SearchOptions::heuristic_weight)
+        .def_rw("patience", &SearchOptions::patience)
+        .def_rw("tolerance", &SearchOptions::tolerance)
+        .def_prop_rw(
+            "gears", [](const SearchOptions& o) { return std::pair<int, int>(o.gears.first, o.gears.last); },
+            [](SearchOptions& o, std::pair<int, int> gears) { o.gears = {gears.first, gears.second}; })
         .def_rw("backward", &SearchOptions::backward)
         .def_rw("max_words", &SearchOptions::max_words)
         .def_rw("extra_expansions", &SearchOptions::extra_expansions)

@@ -44,10 +44,14 @@ class SearchOptions:
     cell: float
     heading_bins: int
     step: float
+    halvings: int
     steering_levels: int
     full_curvature: float
     cost: MotionCost
     heuristic_weight: float
+    patience: int
+    tolerance: float
+    gears: tuple[int, int]
     backward: bool
     max_words: int
     extra_expansions: int

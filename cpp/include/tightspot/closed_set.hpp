@@ -13,14 +13,23 @@ namespace tightspot {
 struct PoseCells {
     Point origin;
     double size = 0.4;
-    int heading_bins = 72;
+    int heading_bins = 72;  ///< at most `most_heading_bins`
+    static constexpr int most_heading_bins = 1 << 13;
 
-    std::uint64_t key(const Pose& pose, int gear) const {
-        const auto column = static_cast<std::uint64_t>(std::floor((pose.x - origin.x) / size) + 1.0);
-        const auto row = static_cast<std::uint64_t>(std::floor((pose.y - origin.y) / size) + 1.0);
-        const int turn = static_cast<int>(std::lround(wrap_angle(pose.theta) * heading_bins / (2.0 * pi)));
-        const auto heading = static_cast<std::uint64_t>((turn + heading_bins) % heading_bins);
-        return ((column << 40U) | (row << 16U) | (heading << 2U) | static_cast<std::uint64_t>(gear + 1)) + 1U;
+    /// `is_apart`: a second cell of its own at the same place.
+    std::uint64_t key(const Pose& pose, int gear, bool is_apart) const {
+        const auto turn = static_cast<std::int64_t>(std::floor(pose.theta * heading_bins / (2.0 * pi) + 0.5));
+        const std::int64_t heading = turn % heading_bins + (turn % heading_bins < 0 ? heading_bins : 0);
+        return (number(pose.x - origin.x) << 40U | number(pose.y - origin.y) << 16U |
+                static_cast<std::uint64_t>(is_apart) << 15U | static_cast<std::uint64_t>(heading) << 2U |
+                static_cast<std::uint64_t>(gear + 1)) +
+               1U;
+    }
+
+private:
+    /// A column or row as 24 bits; just outside of the workspace, too.
+    std::uint64_t number(double distance) const {
+        return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(distance / size)) + 1) & 0xFFFFFFU;
     }
 };
 

@@ -28,7 +28,6 @@ public:
           workspace_(std::move(workspace)),
           margin_(margin),
           horizon_(0.75 * footprint_.narrowest),
-          usual_step_(0.05 * footprint_.narrowest),
           sweep_tolerance_(0.001 * footprint_.narrowest),
           map_(std::move(obstacles), workspace_, footprint_.radius + margin + horizon_, 0.25 * footprint_.radius),
           placed_(footprint_.parts) {}
@@ -67,35 +66,29 @@ public:
 
     bool is_free(const Pose& pose) const { return slack(pose) > 0.0; }
 
-    /// Whether the body keeps its clearance on the whole arc, to within `sweep_tolerance()`. Every two neighbouring
+    /// Whether the body keeps its clearance on the whole of an arc, to within `sweep_tolerance()`. Every two neighbouring
     /// samples' slacks cover the motion between them, so nothing is missed in between.
     /// `slack_at_start`: known slack at `from`; `slack_at_end` receives the one at the arc's end.
     bool arc_is_free(const Pose& from, Arc arc, double slack_at_start, double& slack_at_end) const {
-        const double length = std::abs(arc.length);
-        const double sign = arc.length < 0.0 ? -1.0 : 1.0;
-        const double rate = footprint_.sweep_rate(arc.curvature);
-        double done = 0.0, here = slack_at_start;
-        while (done < length) {
-            const double sure = (std::max(here, 0.0) + 2.0 * sweep_tolerance_) / rate;
-            double step = std::max(sure, usual_step_);
-            double there = 0.0;
-            for (;;) {
-                step = std::min(step, length - done);
-                there = slack(advance(from, {sign * (done + step), arc.curvature}));
-                if (there <= 0.0) return false;
-                if (step <= sure || step * rate <= here + there + 2.0 * sweep_tolerance_) break;
-                step = std::max(sure, 0.5 * step);
-            }
-            done = step >= length - done ? length : done + step;
-            here = there;
-        }
-        slack_at_end = here;
-        return true;
+        stretches_.clear();
+        Pose end = from;
+        return append(end, arc, slack_at_start, slack_at_end) && stretches_are_free();
+    }
+
+    /// The same for arcs driven one after the other. Coarse samples of all of them come first: they find most obstacles.
+    template <class Arcs>
+    bool arcs_are_free(const Pose& from, const Arcs& arcs, double slack_at_start) const {
+        stretches_.clear();
+        Pose end = from;
+        double slack = slack_at_start;
+        for (const Arc& arc : arcs)
+            if (!append(end, arc, slack, slack)) return false;
+        return stretches_are_free();
     }
 
     /// How far the body can go along a circle, at most `longest`; signed like an arc's length.
     double free_length(const Pose& pose, double longest, double curvature) const {
-        const double step = std::copysign(std::min(4.0 * usual_step_, std::abs(longest)), longest);
+        const double step = std::copysign(std::min(0.2 * footprint_.narrowest, std::abs(longest)), longest);
         Pose from = pose;
         double done = 0.0, slack_here = slack(pose);
         while (slack_here > 0.0 && std::abs(done) < std::abs(longest)) {
@@ -139,6 +132,41 @@ public:
     double sweep_tolerance() const { return sweep_tolerance_; }
 
 private:
+    /// A part of an arc, with the slacks at its ends.
+    struct Stretch {
+        Pose from;
+        Arc arc;
+        double rate;  ///< sweep rate
+        double slack_before, slack_after;
+    };
+
+    /// Adds an arc to the stretches to be covered unless its end is blocked, and moves `pose` there.
+    bool append(Pose& pose, Arc arc, double slack_before, double& slack_after) const {
+        const Pose from = pose;
+        pose = advance(from, arc);
+        const double after = slack(pose);
+        if (after <= 0.0) return false;
+        stretches_.push_back({from, arc, footprint_.sweep_rate(arc.curvature), slack_before, after});
+        slack_after = after;
+        return true;
+    }
+
+    /// Halves stretches, the long ones first, until the slacks at their ends cover all of them.
+    bool stretches_are_free() const {
+        for (std::size_t i = 0; i < stretches_.size(); ++i) {
+            const Stretch whole = stretches_[i];
+            const double covered = std::max(whole.slack_before, 0.0) + whole.slack_after + 2.0 * sweep_tolerance_;
+            if (std::abs(whole.arc.length) * whole.rate <= covered) continue;
+            const Arc half{0.5 * whole.arc.length, whole.arc.curvature};
+            const Pose middle = advance(whole.from, half);
+            const double between = slack(middle);
+            if (between <= 0.0) return false;
+            stretches_.push_back({whole.from, half, whole.rate, whole.slack_before, between});
+            stretches_.push_back({middle, half, whole.rate, between, whole.slack_after});
+        }
+        return true;
+    }
+
     static constexpr double border_tolerance = 1e-9;
 
     double wall_clearance(std::size_t wall) const {
@@ -165,10 +193,10 @@ private:
     Polygon workspace_;
     double margin_;
     double horizon_;
-    double usual_step_;
     double sweep_tolerance_;
     ObstacleMap map_;
     mutable std::vector<Polygon> placed_;
+    mutable std::vector<Stretch> stretches_;
     mutable std::int64_t pose_checks_ = 0;
     mutable std::int64_t pair_tests_ = 0;
 };

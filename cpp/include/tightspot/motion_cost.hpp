@@ -73,6 +73,26 @@ struct MotionCost {
     }
 };
 
+/// Gears in which a path must begin and end: +1, -1, or 0 for either.
+struct EndGears {
+    int first = 0;
+    int last = 0;
+
+    /// Those of a word, in its own order; `time` is -1 if it is driven from its end to its start. 0 if it is empty.
+    static EndGears of(const Word& word, int time) {
+        EndGears gears;
+        for (int i = 0; i < word.size; ++i) {
+            if (std::abs(word.lengths[i]) <= reeds_shepp::negligible) continue;
+            gears.last = word.lengths[i] * time < 0.0 ? -1 : 1;
+            if (gears.first == 0) gears.first = gears.last;
+        }
+        return gears;
+    }
+
+    EndGears reversed() const { return {last, first}; }
+    bool is_free() const { return first == 0 && last == 0; }
+};
+
 /// Joins neighbouring arcs of one curvature and gear, and drops arcs without length.
 inline std::vector<Arc> merged(const std::vector<Arc>& arcs) {
     std::vector<Arc> joined;

@@ -63,12 +63,15 @@ struct Offset {
 
     bool has_tangent() const { return radius >= 2.0; }
 
-    /// The vector (-x, y).
-    Offset mirrored() const {
-        Offset image = *this;
-        image.angle = std::copysign(pi, angle) - angle;
-        return image;
+    /// A vector as long as this one at another angle.
+    Offset turned_to(double another) const {
+        Offset turned = *this;
+        turned.angle = another;
+        return turned;
     }
+
+    /// The vector (-x, y).
+    Offset mirrored() const { return turned_to(std::copysign(pi, angle) - angle); }
 };
 
 /// What the equations need of a goal pose (x, y, phi), in turning radii and seen from the start: where the centre of
@@ -77,16 +80,13 @@ struct Goal {
     double phi;
     Offset same, cross;
 
-    Goal(double x, double y, double heading, double sine, double cosine)
-        : phi(heading), same(x - sine, y - 1.0 + cosine), cross(x + sine, y - 1.0 - cosine) {}
-
     /// The goal (-x, y, -phi): the same path driven with the gears exchanged.
-    Goal time_flipped() const {
-        Goal flipped = *this;
-        flipped.phi = -phi;
-        flipped.same = same.mirrored();
-        flipped.cross = cross.mirrored();
-        return flipped;
+    Goal time_flipped() const { return {-phi, same.mirrored(), cross.mirrored()}; }
+
+    /// The goal of the same path driven from its end with the gears exchanged. `reflected` is (x, -y, -phi).
+    Goal opposite(const Goal& reflected) const {
+        return {phi, same.turned_to(wrapped(phi - same.angle)),
+                reflected.cross.turned_to(wrapped(phi + reflected.cross.angle))};
     }
 };
 
@@ -120,22 +120,13 @@ inline bool lrl(const Goal& goal, Lengths& out) {
     return nonnegative(out.t) && nonpositive(out.u);
 }
 
-/// The outer angles of the four-arc words.
-inline void outer_angles(double u, double v, const Goal& goal, double& tau, double& omega) {
-    const double delta = wrapped(u - v);
-    const double a = std::sin(u) - std::sin(delta), b = std::cos(u) - std::cos(delta) - 1.0;
-    const double angle = goal.cross.angle - std::atan2(b, a);
-    const double sign = 2.0 * (std::cos(delta) - std::cos(v) - std::cos(u)) + 3.0;
-    tau = wrapped(sign < 0.0 ? angle + pi : angle);
-    omega = wrapped(tau - u + v - goal.phi);
-}
-
 /// (8.7) L+ R+u L-u R-
 inline bool lrlr_mirrored(const Goal& goal, Lengths& out) {
     const double rho = 0.25 * (2.0 + goal.cross.radius);
     if (rho > 1.0) return false;
-    out.u = std::acos(rho);
-    outer_angles(out.u, -out.u, goal, out.t, out.v);
+    const double u = std::acos(rho);
+    const double t = wrapped(goal.cross.angle + 0.5 * pi + u);
+    out = {t, u, wrapped(t - 2.0 * u - goal.phi)};
     return nonnegative(out.t) && nonpositive(out.v);
 }
 
@@ -143,8 +134,8 @@ inline bool lrlr_mirrored(const Goal& goal, Lengths& out) {
 inline bool lrlr_repeated(const Goal& goal, Lengths& out) {
     const double rho = (20.0 - goal.cross.radius * goal.cross.radius) / 16.0;
     if (rho < 0.0 || rho > 1.0) return false;
-    out.u = -std::acos(rho);
-    outer_angles(out.u, out.u, goal, out.t, out.v);
+    const double t = wrapped(goal.cross.angle + std::atan2(2.0 - rho, -std::sqrt(1.0 - rho * rho)));
+    out = {t, -std::acos(rho), wrapped(t - goal.phi)};
     return nonnegative(out.t) && nonnegative(out.v);
 }
 
@@ -233,21 +224,22 @@ inline Word assemble(const Family& family, const Lengths& lengths, bool flipped,
 /// Calls `visit(const Word&)` with every word that leads from the origin to `goal` (m, rad).
 template <class Visit>
 void for_each_word(const Pose& goal, double radius, Visit&& visit) {
+    using detail::Goal, detail::Offset;
     const double x = goal.x / radius, y = goal.y / radius, phi = wrap_angle(goal.theta);
     const double s = std::sin(phi), c = std::cos(phi);
+    const Goal direct{phi, Offset(x - s, y - 1.0 + c), Offset(x + s, y - 1.0 - c)};
+    const Goal reflected{-phi, Offset(x + s, -y - 1.0 + c), Offset(x - s, -y - 1.0 - c)};
     detail::Lengths lengths{};
     for (const bool opposite : {false, true}) {
-        const double ahead = opposite ? x * c + y * s : x;
-        const double aside = opposite ? x * s - y * c : y;
-        for (const bool reflected : {false, true}) {
-            const detail::Goal direct =
-                reflected ? detail::Goal(ahead, -aside, -phi, -s, c) : detail::Goal(ahead, aside, phi, s, c);
+        for (const bool is_reflected : {false, true}) {
+            const Goal& order = is_reflected ? reflected : direct;
+            const Goal ahead = opposite ? order.opposite(is_reflected ? direct : reflected) : order;
             for (const bool flipped : {false, true}) {
-                const detail::Goal target = flipped ? direct.time_flipped() : direct;
+                const Goal target = flipped ? ahead.time_flipped() : ahead;
                 for (const detail::Family& family : detail::families) {
                     if (opposite && !family.has_opposite_order) continue;
                     if (family.equation(target, lengths))
-                        visit(detail::assemble(family, lengths, flipped, reflected, opposite));
+                        visit(detail::assemble(family, lengths, flipped, is_reflected, opposite));
                 }
             }
         }

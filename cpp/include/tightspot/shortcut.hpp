@@ -14,10 +14,10 @@ namespace tightspot {
 
 class Shortcutter {
 public:
-    Shortcutter(const CollisionChecker& checker, const MotionCost& cost)
-        : checker_(checker), cost_(cost), radius_(1.0 / cost.full_curvature) {}
+    Shortcutter(const CollisionChecker& checker, const MotionCost& cost, EndGears gears = {})
+        : checker_(checker), cost_(cost), gears_(gears), radius_(1.0 / cost.full_curvature) {}
 
-    /// A path from the same start to the same end that costs no more.
+    /// A path from the same start to the same end, in the same gears if they are demanded, that costs no more.
     std::vector<Arc> improve(const Pose& start, std::vector<Arc> arcs) {
         for (int round = 0; round < most_rounds; ++round) {
             cut(start, arcs);
@@ -47,9 +47,11 @@ private:
         knots_.assign(1, start);
         motions_.assign(1, {});
         costs_.assign(1, 0.0);
+        slacks_.assign(1, checker_.slack(start));
         for (const Arc& piece : pieces_) {
             costs_.push_back(costs_.back() + cost_.step(motions_.back(), piece));
             knots_.push_back(advance(knots_.back(), piece));
+            slacks_.push_back(checker_.slack(knots_.back()));
             motions_.push_back({MotionCost::gear(piece), piece.curvature});
         }
     }
@@ -70,13 +72,27 @@ private:
 
     void collect(std::size_t i, std::size_t j) {
         const double old_cost = costs_[j] - costs_[i] + cost_after(motions_[j], j);
-        const double gap = std::hypot(knots_[j].x - knots_[i].x, knots_[j].y - knots_[i].y);
-        if (old_cost - gap < least_gain) return;
+        if (old_cost - least_cost(i, j) < least_gain) return;
+        const double most = old_cost - cost_after(motions_[i], j) - least_gain;
         reeds_shepp::for_each_word(relative(knots_[i], knots_[j]), radius_, [&](const Word& word) {
-            if (word.length() * radius_ > old_cost - least_gain) return;
+            if (word.length() * radius_ > most) return;
             const double gain = old_cost - cost_of(word, i, j);
-            if (gain >= least_gain) candidates_.push_back({gain, i, j, word});
+            if (gain >= least_gain && keeps_gears(word, i, j)) candidates_.push_back({gain, i, j, word});
         });
+    }
+
+    /// No curve between the knots costs less: it has to cover the gap, to turn, and to fit to what follows.
+    double least_cost(std::size_t i, std::size_t j) const {
+        const double gap = std::hypot(knots_[j].x - knots_[i].x, knots_[j].y - knots_[i].y);
+        const double turn = radius_ * std::abs(wrap_angle(knots_[j].theta - knots_[i].theta));
+        return std::max(gap, turn) + cost_.steering * turn + cost_after(motions_[i], j);
+    }
+
+    bool keeps_gears(const Word& word, std::size_t i, std::size_t j) const {
+        if (gears_.is_free()) return true;
+        const EndGears ends = EndGears::of(word, 1);
+        const bool begins = i > 0 || gears_.first == 0 || ends.first == gears_.first;
+        return begins && (j < pieces_.size() || gears_.last == 0 || ends.last == gears_.last);
     }
 
     double cost_of(const Word& word, std::size_t i, std::size_t j) const {
@@ -96,15 +112,10 @@ private:
         return j < pieces_.size() ? cost_.step(motion, pieces_[j]) : cost_.stop(motion);
     }
 
-    bool is_free(const Candidate& candidate) const {
-        Pose pose = knots_[candidate.first];
-        double slack = checker_.slack(pose);
-        for (int k = 0; k < candidate.word.size; ++k) {
-            const Arc arc = candidate.word.arc(k, radius_);
-            if (!checker_.arc_is_free(pose, arc, slack, slack)) return false;
-            pose = advance(pose, arc);
-        }
-        return true;
+    bool is_free(const Candidate& candidate) {
+        arcs_.clear();
+        for (int k = 0; k < candidate.word.size; ++k) arcs_.push_back(candidate.word.arc(k, radius_));
+        return checker_.arcs_are_free(knots_[candidate.first], arcs_, slacks_[candidate.first]);
     }
 
     std::vector<Arc> replaced(const Candidate& candidate) const {
@@ -121,11 +132,14 @@ private:
 
     const CollisionChecker& checker_;
     MotionCost cost_;
+    EndGears gears_;
     double radius_;
     std::vector<Arc> pieces_;
     std::vector<Pose> knots_;
     std::vector<Motion> motions_;
     std::vector<double> costs_;
+    std::vector<double> slacks_;
+    std::vector<Arc> arcs_;
     std::vector<Candidate> candidates_;
 };
 

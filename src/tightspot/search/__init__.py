@@ -1,9 +1,10 @@
 """Paths without times: Reeds-Shepp curves and hybrid A* over the compiled core."""
 
 from tightspot.search.hybrid_astar import Car, search
-from tightspot.search.options import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, Resolution
+from tightspot.search.options import Direction, EndGears, HybridAStarOptions
 from tightspot.search.path import Path
 from tightspot.search.reeds_shepp import ReedsSheppPath, Segment, all_paths, shortest_path
+from tightspot.search.resolution import COARSE, FINE, FINEST, MEDIUM, Resolution
 from tightspot.search.result import Attempt, SearchResult, SearchStatus
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "Attempt",
     "Car",
     "Direction",
+    "EndGears",
     "HybridAStarOptions",
     "Path",
     "ReedsSheppPath",

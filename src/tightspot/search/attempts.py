@@ -10,8 +10,9 @@ import numpy as np
 from tightspot.errors import InputError, Problem
 from tightspot.geometry.polygon import ConvexPolygon
 from tightspot.search.core import compiled_core
-from tightspot.search.options import Direction, HybridAStarOptions, Resolution
+from tightspot.search.options import Direction, HybridAStarOptions
 from tightspot.search.path import Array
+from tightspot.search.resolution import Resolution
 from tightspot.search.result import Attempt, SearchStatus
 from tightspot.vehicles.base import BodyPart
 
@@ -98,6 +99,10 @@ class Scene:
         settings.cell = resolution.cell * width
         settings.step = resolution.step * width
         settings.heading_bins = resolution.heading_bins
+        settings.halvings = resolution.halvings
+        settings.patience = resolution.patience
+        settings.gears = (options.gears.first, options.gears.last)
+        settings.tolerance = options.tolerance
         settings.max_expansions = min(resolution.max_expansions, options.max_expansions)
         settings.steering_levels = options.steering_levels
         settings.heuristic_weight = options.heuristic_weight

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 
 from tightspot.geometry.polygon import ConvexPolygon
 from tightspot.search.attempts import Scene
-from tightspot.search.options import Direction, HybridAStarOptions, Resolution
+from tightspot.search.options import Direction, HybridAStarOptions
 from tightspot.search.path import Array, Path, pose_of
+from tightspot.search.resolution import Resolution
 from tightspot.search.result import Attempt, SearchResult, SearchStatus
 from tightspot.vehicles.base import BodyPart
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
-import numpy as np
-
-from tightspot.errors import InputError, Problem
+from tightspot.search.ranges import MOST_EXPANSIONS, Ranges, above_0, at_least, check, count_from
+from tightspot.search.resolution import COARSE, FINE, FINEST, MEDIUM, Resolution
 
 
 class Direction(Enum):
@@ -22,28 +19,19 @@ class Direction(Enum):
 
 
 @dataclass(frozen=True)
-class Resolution:
-    """How finely poses are told apart. Lengths are parts of the body's narrowest extent (a car's width).
+class EndGears:
+    """Gears in which a path must set out and arrive: +1 (forwards), -1 (in reverse), or 0 for either.
 
-    Attributes:
-        name: For people.
-        cell: Side of a position cell.
-        heading_bins: Heading cells of a full turn.
-        step: Length of an arc (twice that in the open).
-        max_expansions: An attempt at this resolution gives up after this many.
+    Raises:
+        InputError: A gear is something else.
     """
 
-    name: str
-    cell: float
-    heading_bins: int
-    step: float
-    max_expansions: int
+    first: int = 0
+    last: int = 0
 
-
-COARSE = Resolution("coarse", cell=0.2, heading_bins=72, step=0.3, max_expansions=30_000)
-MEDIUM = Resolution("medium", cell=0.1, heading_bins=108, step=0.18, max_expansions=100_000)
-FINE = Resolution("fine", cell=0.05, heading_bins=180, step=0.1, max_expansions=200_000)
-FINEST = Resolution("finest", cell=0.025, heading_bins=360, step=0.05, max_expansions=200_000)
+    def __post_init__(self) -> None:
+        is_gear = (lambda given: given in (-1, 0, 1), "+1, -1 or 0")
+        check(self, {"first": is_gear, "last": is_gear})
 
 
 @dataclass(frozen=True)
@@ -66,12 +54,15 @@ class HybridAStarOptions:
         steering_levels: Curvatures tried at each pose from full left to full right; odd, at least 5.
         heuristic_weight: 1 for the best path the resolution allows, more for an earlier one.
         max_words: Reeds-Shepp curves tried from a pose, cheapest first.
+        tolerance: A path is good enough if no other can be cheaper by more than this part, as far as the heuristic
+            knows.
         extra_expansions: After the first path, look for a better one for so many expansions, or half of
             those the first took if these are more.
         shortcuts: Replace stretches of the path by cheaper Reeds-Shepp curves afterwards.
         max_expansions: Upper limit for every attempt.
         time_limit: For all attempts together, s.
         spacing: Largest distance of the path's poses, m.
+        gears: Demanded at the path's ends.
         keep_closed: Also return the poses expanded, to show how far the search came.
 
     Raises:
@@ -89,44 +80,37 @@ class HybridAStarOptions:
     steering_levels: int = 5
     heuristic_weight: float = 1.0
     max_words: int = 10
-    extra_expansions: int = 1000
+    tolerance: float = 0.02
+    extra_expansions: int = 300
     shortcuts: bool = True
     max_expansions: int = 300_000
     time_limit: float = 10.0
     spacing: float = 0.1
+    gears: EndGears = EndGears()
     keep_closed: bool = False
 
     def __post_init__(self) -> None:
-        problems = [
-            Problem(field, f"{getattr(self, field)} must be {meaning}")
-            for field, (is_right, meaning) in _RANGES.items()
-            if not is_right(getattr(self, field))
-        ]
-        if problems:
-            raise InputError(problems)
+        check(self, _RANGES)
 
 
-def _is_at_least(low: float) -> Callable[[Any], bool]:
-    return lambda value: bool(np.isfinite(value) and value >= low)
-
-
-_RANGES: dict[str, tuple[Callable[[Any], bool], str]] = {
+_RANGES: Ranges = {
     "resolutions": (lambda given: len(given) > 0, "at least one Resolution"),
     "margins": (
-        lambda given: len(given) > 0 and all(map(_is_at_least(0), given)),
+        lambda given: len(given) > 0 and all(map(at_least(0), given)),
         "distances of 0 m or more",
     ),
     "directions": (lambda given: len(given) > 0, "at least one Direction"),
     "curvature_factor": (lambda given: 0 < given <= 1, "above 0 and at most 1"),
-    "gear_change": (_is_at_least(0), "a cost of 0 or more"),
-    "reverse": (_is_at_least(1), "a factor of 1 or more"),
-    "steering": (_is_at_least(0), "a cost of 0 or more"),
-    "steering_change": (_is_at_least(0), "a cost of 0 or more"),
+    "gear_change": (at_least(0), "a cost of 0 or more"),
+    "reverse": (at_least(1), "a factor of 1 or more"),
+    "steering": (at_least(0), "a cost of 0 or more"),
+    "steering_change": (at_least(0), "a cost of 0 or more"),
     "steering_levels": (lambda given: given >= 5 and given % 2 == 1, "an odd number, 5 or more"),
-    "heuristic_weight": (_is_at_least(1), "1 or more"),
-    "max_words": (_is_at_least(1), "1 or more"),
-    "extra_expansions": (_is_at_least(0), "0 or more"),
-    "max_expansions": (_is_at_least(1), "1 or more"),
+    "heuristic_weight": (at_least(1), "1 or more"),
+    "max_words": (at_least(1), "1 or more"),
+    "tolerance": (at_least(0), "0 or more"),
+    "extra_expansions": (at_least(0), "0 or more"),
+    "max_expansions": (count_from(1, MOST_EXPANSIONS), f"between 1 and {MOST_EXPANSIONS}"),
     "time_limit": (lambda given: given > 0, "a positive number of seconds"),
-    "spacing": (lambda given: bool(np.isfinite(given) and given > 0), "a positive distance in m"),
+    "spacing": (above_0, "a positive distance in m"),
 }

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from tightspot.search.options import Direction, Resolution
+from tightspot.search.options import Direction
 from tightspot.search.path import Array, Path
+from tightspot.search.resolution import Resolution
 
 
 class SearchStatus(Enum):
