@@ -78,6 +78,10 @@ class PlanFileError(InputError):
     """A plan file cannot be read."""
 
 
+class TableError(InputError):
+    """A trajectory's table cannot be read."""
+
+
 class BuildError(TightspotError):
     """The compiled core is missing, so what needs it (hybrid A*) cannot run."""
 

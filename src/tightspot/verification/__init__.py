@@ -16,6 +16,7 @@ from tightspot.verification.plan_file import (
     write_trajectory_csv,
 )
 from tightspot.verification.replay import Replay, replay
+from tightspot.verification.tables import Scores, Table, TableVerdict, Tolerances, judge_table, plan_scores, read_table
 
 __all__ = [
     "Certificate",
@@ -29,13 +30,20 @@ __all__ = [
     "PairProof",
     "Plan",
     "Replay",
+    "Scores",
+    "Table",
+    "TableVerdict",
+    "Tolerances",
     "Verdict",
     "Witness",
     "WorkspaceProof",
     "check_certificate",
     "file_exact",
+    "judge_table",
     "load_plan",
     "minimum_clearance",
+    "plan_scores",
+    "read_table",
     "replay",
     "save_plan",
     "verify",
