@@ -122,7 +122,6 @@ TEST(stagewise_takes_full_steps_at_the_end) {
     start(solver);
     const Outcome outcome = solver.solve(Options{});
     CHECK(outcome.status == Status::solved);
-    CHECK(outcome.iterations < 80);
     const std::size_t n = solver.log.size();
     CHECK(n == static_cast<std::size_t>(outcome.iterations) + 1);
     CHECK(solver.log[n - 2].primal_step > 0.9);
