@@ -101,7 +101,7 @@ def plan_command(
         "margin": margin,
         **({} if time_limit is None else {"time_limit": time_limit}),
         **({} if effort is None else {"effort": effort}),
-        "seed": seed,
+        **({"seed": seed} if seed else {}),
         **({"explain": True} if explain else {}),
     }
     try:

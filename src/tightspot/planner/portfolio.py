@@ -24,17 +24,16 @@ from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
 from tightspot.scenarios.bottleneck import is_closed
-from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, Resolution, SearchResult
+from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, SearchResult
 from tightspot.solvers import Stagewise
 
 Effort = Literal["fast", "balanced", "best"]
 EFFORTS: tuple[Effort, ...] = ("fast", "balanced", "best")
 
-ULTRA = Resolution("ultra", cell=0.0125, heading_bins=720, step=0.03, max_expansions=300_000)
-"""Beside a kerb only small steering angles and short steps are free."""
-
 RANDOM = 24
 SEARCH_SECONDS = 5.0
+PATIENCE = 60_000
+FALLBACK_SECONDS = 20.0
 COURSE_SECONDS = 10.0
 POLL_SECONDS = 0.1
 
@@ -97,11 +96,15 @@ def members_of(request: Request) -> list[Member]:
     if request.guess != HybridAStar():
         return [chosen, finer]
     bare = {"margins": tuple(dict.fromkeys((request.margin, request.margin / 2)))}
+    # Beside a kerb only small steering angles are free.
+    margins = tuple(dict.fromkeys((request.margin, request.margin / 2, 0.0)))
+    patient = {"resolutions": (MEDIUM, FINE, FINEST), "margins": margins, "max_expansions": PATIENCE}
     variants: dict[str, dict[str, Any]] = {
         "from the wider end": {"directions": (Direction.WIDE_END, Direction.TIGHT_END)},
         "few gear changes": {"gear_change": 10.0},
         "many gear changes": {"gear_change": 0.3, "steering_change": 0.1},
-        "small steering angles": {"resolutions": (FINE, FINEST, ULTRA), "steering_levels": 15, **bare},
+        "9 steering angles": {"steering_levels": 9, **patient},
+        "15 steering angles": {"steering_levels": 15, **patient},
         "forwards": {"reverse": 3.0},
         "no more than the margin": bare,
     }
@@ -185,7 +188,8 @@ def run_portfolio(
     if request.fallbacks and first is not None and time.perf_counter() < deadline:
         slow = replace(request, solver=request.fallbacks[0], fallbacks=request.fallbacks[1:])
         member = replace(first.member, name=f"{first.member.name}, {slow.solver.name}")
-        tried.append(run_course(slow, member, tell, deadline, first.found))
+        until = min(deadline, time.perf_counter() + FALLBACK_SECONDS)
+        tried.append(run_course(slow, member, tell, until, first.found))
     else:
         tried.sort(key=lambda course: bool(course.rounds))
     return tried
