@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 FAR = 1e4
 """Coordinates farther from the origin than this are recentred, m."""
+FARTHEST = 1e8
+"""The goal may be this far from the start, m."""
 ROOM = 10.0
 """The default workspace leaves this much room around start and goal, m, ..."""
 MOST_ROOM = 50.0
@@ -56,6 +58,7 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
     ends = {key: states.from_spec(fields[key]) for key in ("start", "goal") if key in fields}
     for key, state in ends.items():
         problems += states.state_problems(key, state)
+    problems += _too_far(ends)
     # Without a start there is no scenario, but the polygons are still judged, near the origin if they can be.
     offset = recentring(ends.get("start", ends.get("goal", _any_point(fields))))
     obstacles, found = _obstacles(fields.get("obstacles", []), offset)
@@ -82,6 +85,15 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
         "boundary": boundary,
         "originals": originals if offset.any() else {},
     }
+
+
+def _too_far(ends: Mapping[str, Array]) -> list[Problem]:
+    """Start and goal must lie so near that one set of recentred coordinates resolves both."""
+    if len(ends) < 2 or not (distance := float(np.hypot(*(ends["goal"] - ends["start"])[:2]))) > FARTHEST:
+        return []
+    return [
+        Problem("goal", f"is {distance:.3g} m from the start; at most {FARTHEST:g} m are planned: are these metres?")
+    ]
 
 
 def _plain_vehicle(vehicle: str | Mapping[str, Any]) -> str | dict[str, Any]:

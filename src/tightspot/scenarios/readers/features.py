@@ -101,7 +101,9 @@ class _Draft:
         self.places[key] = where
 
 
-def scene_of(features: Sequence[Feature], whole: Mapping[str, Any], given: Given, name: str, title: str) -> Scenario:
+def scene_of(
+    features: Sequence[Feature], whole: Mapping[str, Any], given: Given, name: str, *, place: str, title: str
+) -> Scenario:
     """The scene that a drawing shows.
 
     Args:
@@ -109,6 +111,7 @@ def scene_of(features: Sequence[Feature], whole: Mapping[str, Any], given: Given
         whole: Fields of the scene that are no geometry.
         given: What the caller says; it goes before the file.
         name: Of the scene if the file says none.
+        place: Where ``whole`` stands in the file, for messages.
         title: What a start or goal looks like in this format, for messages; ROLE stands for the one meant.
 
     Raises:
@@ -117,7 +120,7 @@ def scene_of(features: Sequence[Feature], whole: Mapping[str, Any], given: Given
     refuse_degrees(features)
     draft = _Draft({"obstacles": []})
     for key, value in whole.items():
-        draft.put(key, value, "the file's own properties")
+        draft.put(key, value, place)
     for feature in features:
         _add(draft, feature)
     if draft.problems:

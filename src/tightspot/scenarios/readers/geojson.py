@@ -53,7 +53,7 @@ def read_geojson(source: Source, given: Given) -> Scenario:
     whole = _whole(data.get(MEMBER), problems)
     if problems:
         raise SceneError(shortened(problems))
-    return scene_of(features, whole, given, source.name, "a feature with role ROLE")
+    return scene_of(features, whole, given, source.name, place=MEMBER, title="a feature with role ROLE")
 
 
 def to_geojson(scenario: Scenario) -> str:
@@ -153,7 +153,9 @@ def _one_feature(item: Any, where: str, problems: list[Problem]) -> Iterator[Fea
 def _shapes(geometry: Any, path: str, problems: list[Problem]) -> Iterator[Shape]:
     """The simple geometries in a geometry; what is wrong with it is added to the problems."""
     kind = geometry.get("type") if isinstance(geometry, Mapping) else None
-    if kind == "GeometryCollection":
+    if not isinstance(kind, str):
+        problems.append(Problem(path, f"must be a geometry with a type, but is {shown(geometry)}"))
+    elif kind == "GeometryCollection":
         members = geometry.get("geometries")
         if not isinstance(members, list):
             problems.append(Problem(join(path, "geometries"), f"must be a list, but is {shown(members)}"))

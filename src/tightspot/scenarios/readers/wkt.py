@@ -61,7 +61,8 @@ def read_wkt(source: Source, given: Given) -> Scenario:
             break
     if problems:
         raise SceneError(shortened(problems))
-    return scene_of(features, whole, given, source.name, "a line `ROLE; POINT (x y); theta=...`")
+    title = "a line `ROLE; POINT (x y); theta=...`"
+    return scene_of(features, whole, given, source.name, place="scene", title=title)
 
 
 def to_wkt(scenario: Scenario) -> str:
