@@ -39,6 +39,7 @@ def why(scenario: Scenario | str, **options: Any) -> Explanation:
         assert text[0].isupper()
         assert text.endswith(".")
         assert "\n" not in text
+        assert ".." not in text
     return explanation
 
 

@@ -30,7 +30,7 @@ def box(name: str, x_min: float, x_max: float, y_min: float, y_max: float) -> di
 
 def road(*obstacles: dict[str, Any], shift: float = 0.0, **changes: Any) -> Scenario:
     data: dict[str, Any] = {
-        "name": "road",
+        "name": "a road with a name that is too long for any picture " * 3,
         "workspace": {"x": [shift - 3, shift + 20], "y": [-4, 4]},
         "obstacles": [{**o, "vertices": [[x + shift, y] for x, y in o["vertices"]]} for o in obstacles],
         "start": {"x": shift, "y": 0, "theta": 0},
@@ -61,6 +61,8 @@ def drawn(explanation: tightspot.Explanation, path: Path) -> tuple[Figure, set[s
         assert tight.y0 >= -1
         assert tight.x1 <= width + 1
         assert tight.y1 <= height + 1
+    title, legend = figure.texts[0].get_window_extent(renderer), figure.legends[0].get_window_extent(renderer)
+    assert title.x1 < legend.x0, "the title leaves room for the legend"
     gids = {str(artist.get_gid()) for axes in figure.axes for artist in (*axes.patches, *axes.lines)}
     words = " ".join(area.get_text() for artist in figure.artists for area in artist.get_child().get_children())
     return figure, gids, words

@@ -116,11 +116,13 @@ def penetration_words(
         least = math.floor(-1000 * near.depth) / 1000
         remedy = f"Ask for a margin of {least:g} m or less, or make room at obstacle {name!r}"
     found += f". {stop.status.sentence}"
+    if stop.status in _AFTER_STATUS:
+        remedy = f"{_AFTER_STATUS[stop.status]}; or {remedy[0].lower()}{remedy[1:]}"
     if narrow is not None:
-        return f"{found}. There can be none: {narrow.describe(request.scenario.offset)}.", _widen(
-            request, narrow, deeper
-        )
-    return found, _asked(f"{remedy}, or take another guess (--guess).", deeper)
+        found += f" There can be none: {narrow.describe(request.scenario.offset)}."
+        return found, _widen(request, narrow, deeper)
+    other = "" if stop.status in _AFTER_STATUS else ", or take another guess (--guess)"
+    return found, _asked(f"{remedy}{other}.", deeper)
 
 
 def certificate_words(request: Request, rounds: list[Round], deeper: Deeper | None) -> tuple[str, str]:

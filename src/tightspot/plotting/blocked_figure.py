@@ -27,8 +27,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_LEGEND = 3.0
 _DEPTHS = 4.0
-_SMALLEST = 0.3
+_SMALLEST, _LARGEST = 0.3, 0.8
 
 
 def figure_blocked(explanation: Explanation, caption: str) -> Figure:
@@ -58,7 +59,7 @@ def figure_blocked(explanation: Explanation, caption: str) -> Figure:
             look: dict[str, Any] = {"fontsize": 10, "fontweight": "bold", "color": style.BAD, "parse_math": False}
             detail.set_title(shortened(_what(first), 60), loc="left", **look)
         words = [(shortened(caption, round(9.5 * places.width)), style.BAD, True)]
-        put_title(figure, places.scene.left, scenario.name, words, path=False)
+        put_title(figure, places.scene.left, scenario.name, words, path=False, more=_LEGEND)
         put_legend(figure, sweep=False, path=False, more=_handles(explanation))
     return figure
 
@@ -113,7 +114,8 @@ def _window(scenario: Scenario, vehicle: VehicleModel, end: Blocked) -> Box:
         place = pieces[int(np.argmax(shapely.area(pieces)))].representative_point()
     else:
         place = shapely.centroid(shapely.shortest_line(body, all_obstacles(scenario)))
-    half = _DEPTHS * max(end.depth, end.outside, end.margin, _SMALLEST / _DEPTHS)
+    size = float(np.ptp(shapely.get_coordinates(body), axis=0).max())
+    half = min(max(_DEPTHS * end.depth, _DEPTHS * end.outside, _DEPTHS * end.margin, _SMALLEST), _LARGEST * size)
     return Box(place.x - half, place.x + half, place.y - half, place.y + half)
 
 

@@ -27,7 +27,13 @@ def shortened(text: str, length: int) -> str:
 
 
 def put_title(
-    figure: Figure, left: float, title: str, words: Iterable[tuple[str, str, bool]], *, path: bool = True
+    figure: Figure,
+    left: float,
+    title: str,
+    words: Iterable[tuple[str, str, bool]],
+    *,
+    path: bool = True,
+    more: float = 0.0,
 ) -> None:
     """The title and below it one line of coloured words.
 
@@ -37,10 +43,11 @@ def put_title(
         title: Taken literally, shortened to the room that the legend leaves.
         words: (text, colour, bold) one after the other.
         path: Whether the legend explains a path and so is a long one.
+        more: Width of what else is in the legend, inches.
     """
     width, height = figure.get_size_inches()
     x, y = left / width, 1 - 0.16 / height
-    title = shortened(title, max(8, int((width - left - _LEGEND[path]) / _TITLE_LETTER)))
+    title = shortened(title, max(8, int((width - left - _LEGEND[path] - more) / _TITLE_LETTER)))
     figure.text(x, y, title, fontsize=17, fontweight="bold", va="top", parse_math=False)
     boxes: list[Artist] = [
         TextArea(

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_HANDLE = 1.7  # inches, of a further entry of the legend
 _MARKED: dict[str, Any] = {"facecolor": "none", "edgecolor": style.BAD, "linewidth": 1.8, "linestyle": (0, (2, 1))}
 _KNOTS = (Line2D([], [], color=style.REACHED, marker=".", label="last iterate, at its knots"),)
 
@@ -101,10 +102,10 @@ def figure_failure(
         sentence = reason or (f"✗ {witness}" if witness is not None else "✗ no plan was found")
         words = [(shortened(sentence, round(9.5 * places.width)), style.BAD, True)]
         path = motion is not None and replayed
-        put_title(figure, places.scene.left, scenario.name, words, path=path)
         more = [*_handles(witness, reached), *([] if replayed else _KNOTS)]
         if marked is not None:
             more.append(Patch(label="worst constraint", **_MARKED))
+        put_title(figure, places.scene.left, scenario.name, words, path=path, more=_HANDLE * len(more))
         put_legend(figure, sweep=False, path=path, more=more)
     return figure
 

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_NARROWEST = 12.0
+_LEGEND = 5.0
 _CELL = 0.4
 _TURN = np.radians(20)
 _FROM_START, _FROM_GOAL = style.REACHED, style.GOOD
@@ -41,7 +43,7 @@ def figure_reach(explanation: Explanation, caption: str) -> Figure:
     scenario, vehicle = explanation.scenario, explanation.vehicle
     box = Box.around(scenario.workspace.vertices)
     box = box.grown(0.02 * max(box.width, box.height))
-    places = page(box.aspect, narrowest=11.0)
+    places = page(box.aspect, narrowest=_NARROWEST)
     handles: list[Line2D | Patch] = []
     with style.drawing():
         figure = style.new_figure(places.width, places.height)
@@ -55,7 +57,7 @@ def figure_reach(explanation: Explanation, caption: str) -> Figure:
         if explanation.bottleneck is not None:
             handles.append(_draw_bottleneck(axes, explanation.bottleneck, explanation.margin))
         words = [(shortened(caption, round(9.5 * places.width)), style.BAD, True)]
-        put_title(figure, places.scene.left, scenario.name, words, path=False)
+        put_title(figure, places.scene.left, scenario.name, words, path=False, more=_LEGEND)
         put_legend(figure, sweep=False, path=False, more=handles)
     return figure
 
@@ -71,7 +73,7 @@ def covered(vehicle: VehicleModel, poses: Array) -> Any:
 def _draw_reach(axes: Axes, vehicle: VehicleModel, reach: Reach) -> list[Line2D | Patch]:
     areas = (
         ("reached from the start", reach.from_start, _FROM_START, "reached"),
-        ("the goal can be reached from here", reach.from_goal, _FROM_GOAL, "leads to goal"),
+        ("leads to the goal", reach.from_goal, _FROM_GOAL, "leads to goal"),
     )
     handles: list[Line2D | Patch] = []
     for label, poses, color, gid in areas:
@@ -80,7 +82,7 @@ def _draw_reach(axes: Axes, vehicle: VehicleModel, reach: Reach) -> list[Line2D 
         handles.append(Patch(label=label, **look))
     look = {"facecolor": "none", "edgecolor": style.BAD, "linewidth": 1.8}
     draw_body(axes, vehicle, reach.closest, mark_color=style.BAD, zorder=6, gid="closest", **look)
-    return [*handles, Patch(label="closest pose to the goal", **look)]
+    return [*handles, Patch(label="closest pose", **look)]
 
 
 def _draw_bottleneck(axes: Axes, narrow: Bottleneck, margin: float) -> Patch:
