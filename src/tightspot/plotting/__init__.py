@@ -24,6 +24,7 @@ from tightspot.plotting.plan_figure import figure_plan
 from tightspot.plotting.profiles import draw_clearance, draw_profile
 from tightspot.plotting.scene import draw_path, draw_scene, draw_sweep
 from tightspot.plotting.scene_figure import figure_scene
+from tightspot.plotting.worst_moment import figure_judged_plan, figure_judged_table
 
 __all__ = [
     "Leg",
@@ -37,6 +38,8 @@ __all__ = [
     "drive_legs",
     "figure_explanation",
     "figure_failure",
+    "figure_judged_plan",
+    "figure_judged_table",
     "figure_panels",
     "figure_plan",
     "figure_scene",

@@ -58,7 +58,19 @@ def minimum_clearance(
     """
     motion = replay(vehicle, trajectory)
     t = motion.dense(dt)
-    columns = vehicle.frames(list(motion.at(t).T), np)
+    return clearance_series(scenario, vehicle, motion.at(t), t)
+
+
+def clearance_series(scenario: Scenario, vehicle: VehicleModel, states: Array, t: Array) -> ClearanceSeries:
+    """Clearance at given states.
+
+    Args:
+        scenario: In the coordinates of the states.
+        vehicle: Whose body it is.
+        states: Shape (M, n_x); poses (M, 3) are enough for vehicles with one frame.
+        t: Their times, or whatever tells them apart, shape (M,).
+    """
+    columns = vehicle.frames(list(states.T), np)
     poses = [np.stack(np.broadcast_arrays(*frame), axis=-1) for frame in columns]
     best, pair, inside = np.full(t.size, np.inf), np.zeros(t.size, dtype=np.intp), np.full(t.size, np.inf)
     obstacles = scenario.obstacle_parts

@@ -39,7 +39,8 @@ def headings(x: Array, y: Array, start: float, rounding: float) -> Array:
     """
     kept = _apart(x, y, shortest_step(rounding))
     if kept.size < 2:
-        raise TableError(Problem("column theta", "is missing, and the positions do not move; give the headings"))
+        sentence = f"is missing, and no two positions are {shortest_step(rounding):.2g} m apart, as it takes to tell it"
+        raise TableError(Problem("column theta", f"{sentence}; give the headings"))
     direction = np.arctan2(np.diff(y[kept]), np.diff(x[kept]))
     length = np.hypot(np.diff(y[kept]), np.diff(x[kept]))
     away = _wrapped(direction[0] - start)

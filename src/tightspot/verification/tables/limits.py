@@ -50,7 +50,7 @@ def _bounds(steps: Steps) -> dict[str, tuple[float, float]]:
 def _column(steps: Steps, place: Place, tolerances: Tolerances, name: str, low: float, high: float) -> Finding:
     column, word, unit = steps.table.get(name), _WORDS[name], _UNITS[name]
     if column is None:
-        return not_judged(word, GROUP, "there is no such column; see between rows")
+        return not_judged(word, GROUP, "there is no such column" + ("" if steps.h is None else "; see between rows"))
     excess = np.maximum(low - column, column - high)
     row = int(excess.argmax())
     allowed = steps.rounding(name) + tolerances.bounds

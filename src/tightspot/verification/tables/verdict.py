@@ -14,7 +14,14 @@ from tightspot.scenarios.labels import labels
 from tightspot.vehicles import SingleTrack, VehicleModel
 from tightspot.verification.certificate import Witness
 from tightspot.verification.tables.clearance import Clearances, clearances
-from tightspot.verification.tables.collisions import clearance_findings, collision, moment_sentence
+from tightspot.verification.tables.collisions import (
+    COLLIDES,
+    FREE,
+    UNDECIDED,
+    clearance_findings,
+    collision,
+    moment_sentence,
+)
 from tightspot.verification.tables.consistency import Tolerances, consistency
 from tightspot.verification.tables.ends import ends
 from tightspot.verification.tables.findings import Finding, Place, finite
@@ -27,6 +34,11 @@ from tightspot.verification.tables.table import Table
 Array = NDArray[np.float64]
 
 _MOST_LINES = 5
+_COLLISIONS = {
+    FREE: "collision-free: proved for the interpolated motion at all times",
+    COLLIDES: "collision: the interpolated motion collides",
+    UNDECIDED: "collision: not decided, the interpolated motion touches or nearly does",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +98,12 @@ class TableVerdict:
         raise KeyError(name)
 
     def summary(self) -> list[str]:
-        """Lines for people."""
+        """Lines for people: the verdict, then what speaks against it, then everything else."""
         marks = {True: "ok", False: "FAILED", None: "-"}
         head = "the trajectory is upheld" if self.upheld else "the trajectory is NOT upheld"
-        lines = [head, *(f"{marks[finding.passed]:6s} {finding.sentence}" for finding in self.findings)]
+        ordered = sorted(self.findings, key=lambda finding: finding.passed is not False)
+        lines = [head, _COLLISIONS[self.collision]]
+        lines += [f"{marks[finding.passed]:6s} {finding.sentence}" for finding in ordered]
         lines += [f"witness: {self.sentence(witness)}" for witness in self.witnesses[:_MOST_LINES]]
         if len(self.witnesses) > _MOST_LINES:
             lines.append(f"and {len(self.witnesses) - _MOST_LINES} more pairs")
