@@ -58,7 +58,7 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
     ends = {key: states.from_spec(fields[key]) for key in ("start", "goal") if key in fields}
     for key, state in ends.items():
         problems += states.state_problems(key, state)
-    problems += _too_far(ends)
+    problems += _too_far(ends.get("start"), ends.get("goal"))
     # Without a start there is no scenario, but the polygons are still judged, near the origin if they can be.
     offset = recentring(ends.get("start", ends.get("goal", _any_point(fields))))
     obstacles, found = _obstacles(fields.get("obstacles", []), offset)
@@ -87,9 +87,10 @@ def assemble(data: Any, name: str = "scene") -> dict[str, Any]:
     }
 
 
-def _too_far(ends: Mapping[str, Array]) -> list[Problem]:
+def _too_far(start: Array | None, goal: Array | None) -> list[Problem]:
     """Start and goal must lie so near that one set of recentred coordinates resolves both."""
-    if len(ends) < 2 or not (distance := float(np.hypot(*(ends["goal"] - ends["start"])[:2]))) > FARTHEST:
+    distance = 0.0 if start is None or goal is None else float(np.hypot(*(goal - start)[:2]))
+    if not distance > FARTHEST:
         return []
     return [
         Problem("goal", f"is {distance:.3g} m from the start; at most {FARTHEST:g} m are planned: are these metres?")

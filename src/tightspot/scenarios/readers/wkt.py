@@ -28,13 +28,13 @@ _ROLE = re.compile(rf"({'|'.join(ROLES)}|scene)(?:\s*[:,]\s*|\s+|$)", re.IGNOREC
 _SRID = re.compile(r"SRID\s*=\s*(\d{1,9})\s*$", re.IGNORECASE)
 _PROPERTY = re.compile(r"\s*([A-Za-z_]\w{0,40})\s*=\s*(.*)", re.DOTALL)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-_PIECE = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"|[^;"]++|[;"]')
+_PIECE = re.compile(r'(?:"[^"\\]*+(?:\\.[^"\\]*+)*+"|[^;"]++)++|;+|"')
 _DEGREES = (4326, 4258, 4269)
 
 
 def is_wkt(text: str) -> bool:
-    """Whether a text is meant to be WKT: a geometry stands in one of its first lines."""
-    return any(GEOMETRY.search(line[:4000]) for line in text[:100_000].splitlines()[:50])
+    """Whether a text is meant to be WKT: a geometry, or a column for them, stands in one of its first lines."""
+    return _has_header(text) or any(GEOMETRY.search(line[:4000]) for line in text[:100_000].splitlines()[:50])
 
 
 def read_wkt(source: Source, given: Given) -> Scenario:
@@ -159,7 +159,7 @@ def _fields(line: str) -> Iterator[str]:
     """What stands between semicolons, those within quotes left alone."""
     field: list[str] = []
     for piece in _PIECE.finditer(line):
-        if piece[0] != ";":
+        if not piece[0].startswith(";"):
             field.append(piece[0])
         elif field:
             yield "".join(field)
@@ -190,7 +190,7 @@ def _value(key: str, text: str) -> Any:
 
 
 def _has_header(text: str) -> bool:
-    first = next((line for line in text.splitlines() if line.strip()), "")
+    first = next((line for line in text[:10_000].splitlines() if line.strip()), "")
     return not GEOMETRY.search(first) and _column(re.split(r"[,;\t]", first)) is not None
 
 
