@@ -75,7 +75,7 @@ def plan_command(
         bool,
         typer.Option(
             "--explain",
-            help="If there is no plan, find the largest margin and body width that pass: a minute more at most.",
+            help="If there is no plan, find the largest margin and body width that pass: about a minute more.",
         ),
     ] = False,
     output: Annotated[
