@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import json
 import os
-import time
 from pathlib import Path
 from typing import Any
 
@@ -180,10 +179,8 @@ def test_numbers_that_are_not_finite_are_null(capsys: pytest.CaptureFixture[str]
     assert json.loads(capsys.readouterr().out)["a"] == [None, {"b": None}, 1.5, "x"]
 
 
-def test_time_is_limited_from_the_command_line(cli: Any) -> None:
-    began = time.perf_counter()
-    result = cli("plan", "parallel", "--time-limit", "0.05", "--solver", "ipopt", "--no-picture", "-q")
-    assert result.code == 1
-    assert "--time-limit" in result.err, "what to change"
-    assert time.perf_counter() - began < 30
-    assert cli("plan", "parallel", "--time-limit", "0").code == 2
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan"])
+def test_a_time_limit_is_positive(cli: Any, seconds: str) -> None:
+    result = cli("plan", "parallel", "--time-limit", seconds)
+    assert result.code == 2
+    assert result.err.startswith("error: time_limit: ")

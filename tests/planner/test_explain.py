@@ -196,7 +196,7 @@ def test_solver_stopped_in_its_dynamics_names_the_nearest_obstacle() -> None:
 
 
 def test_solver_stopped_by_time_asks_for_time() -> None:
-    found = why("oblique", solver="ipopt", time_limit=0.02, effort="fast")
+    found = why("oblique", solver=Ipopt(time_limit=1e-3), refinements=0, effort="fast")
     assert found.kind is FailureKind.SOLVER_STOPPED
     assert found.solver is not None
     assert found.solver.status.name == "TIME_LIMIT"

@@ -12,6 +12,9 @@ from tightspot.trajectory import Trajectory
 Verdict = Literal["passes", "fails", "impossible", "no time"]
 """Of one attempt: a certified plan was found; none was found; none can exist; it was not tried to the end."""
 
+ROUNDING = 1e-6
+"""Of lengths in millimetres."""
+
 
 @dataclass(frozen=True)
 class Passing:
@@ -133,9 +136,9 @@ def largest(
     in_time, beside_bound = True, is_proof
     while in_time and (high > low if passing is None else high - passing > step):
         if passing is not None:
-            value = int(passing + high) // 2
+            value = int(passing + high + ROUNDING) // 2
         else:
-            value = max(low, int(high) - step) if beside_bound else low
+            value = max(low, int(high + ROUNDING) - step) if beside_bound else low
             beside_bound = False
         verdict = attempt(value / 1000)
         tries += verdict in ("passes", "fails")
