@@ -91,7 +91,7 @@ def test_every_kind_of_variety_is_there(drawn):
     rings = [shapely.Polygon(o.exterior) for scene in scenes for o in scene.obstacles]
     convex_part = np.mean([ring.convex_hull.area < 1.001 * ring.area for ring in rings])
     assert 0.3 < convex_part < 0.95
-    assert max(len(scene.obstacles) for scene in scenes) == 10
+    assert max(len(scene.obstacles) for scene in scenes) >= 8
     edges = np.array([scene.workspace.vertices[1] - scene.workspace.vertices[0] for scene in scenes])
     assert np.mean(np.abs(edges).min(axis=1) > 1e-3) > 0.6, "most scenes are turned"
 
