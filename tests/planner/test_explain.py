@@ -152,6 +152,15 @@ def test_a_wall_leaves_nothing_to_widen() -> None:
     assert 7.0 < found.reach.closest[0] < 7.3, "the front reaches the bar"
 
 
+def test_a_margin_that_closes_the_way_is_what_to_change() -> None:
+    found = why(gap(2.4), margin=1.3)
+    assert found.kind is FailureKind.NO_PATH
+    assert "if the margin is kept" in found.sentence
+    assert found.bottleneck is not None
+    assert found.bottleneck.margin == pytest.approx((2.4 - WIDTH) / 2, abs=1e-3)
+    assert found.remedy.startswith("Ask for a margin of 0.151 m or less")
+
+
 def test_solver_stopped_names_constraint_obstacle_and_time() -> None:
     found = why("oblique", guess="linear", solver=Ipopt(max_iterations=4), refinements=0, effort="fast")
     assert found.kind is FailureKind.SOLVER_STOPPED

@@ -165,6 +165,8 @@ def _margin_kept(request: Request, last: Round) -> float | None:
 
 def _widen(request: Request, narrow: Bottleneck, deeper: Deeper | None) -> str:
     """What to do about a place that is too narrow."""
+    if not narrow.room and narrow.margin is not None:
+        return _asked(f"Ask for a margin of {narrow.margin:g} m or less, or make room there.", deeper)
     if not narrow.room:
         names = " and ".join(repr(name) for name in narrow.between if name != WORKSPACE)
         return f"Open a way{f' through obstacle {names}' if names else ''}: no margin and no narrower body helps."

@@ -57,8 +57,10 @@ class Bottleneck:
         x, y = self.place + offset
         names = ["the workspace's border" if name == WORKSPACE else repr(name) for name in self.between]
         if not self.room:
-            by = f"by {names[0]} " if names else ""
-            return f"the way is closed {by}near ({x:.2f}, {y:.2f})"
+            obstacles = [repr(name) for name in self.between if name != WORKSPACE]
+            by = f"by {' and '.join(obstacles)} " if obstacles else ""
+            kept = "" if self.margin is None else " if the margin is kept"
+            return f"the way is closed {by}near ({x:.2f}, {y:.2f}){kept}"
         sides = f"between {' and '.join(names)} " if len(names) > 1 else f"at {names[0]} " if names else ""
         return (
             f"the narrowest place, {sides}near ({x:.2f}, {y:.2f}), leaves {self.room:.3f} m besides the margin, "
