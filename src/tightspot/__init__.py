@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from tightspot.exports import export_plan
     from tightspot.geometry import ConvexPolygon
     from tightspot.planner import Explanation, FailureKind, Progress, minimum_penetration, plan
-    from tightspot.scenarios import Obstacle, Scenario, load
+    from tightspot.scenarios import Obstacle, Scenario, load, save
     from tightspot.scenarios.readers.commonroad import read_commonroad, read_commonroad_solution, write_commonroad
     from tightspot.trajectory import Trajectory
     from tightspot.transcription import Objective
@@ -71,7 +71,7 @@ _ROOMS = {
     "tightspot.exports": ("export_plan",),
     "tightspot.geometry": ("ConvexPolygon",),
     "tightspot.planner": ("Explanation", "FailureKind", "Progress", "minimum_penetration", "plan"),
-    "tightspot.scenarios": ("Obstacle", "Scenario", "load"),
+    "tightspot.scenarios": ("Obstacle", "Scenario", "load", "save"),
     "tightspot.scenarios.readers.commonroad": ("read_commonroad", "read_commonroad_solution", "write_commonroad"),
     "tightspot.trajectory": ("Trajectory",),
     "tightspot.transcription": ("Objective",),
@@ -150,6 +150,7 @@ __all__ = [
     "read_commonroad",
     "read_commonroad_solution",
     "read_table",
+    "save",
     "save_plan",
     "vehicle",
     "verify",

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import shapely
 import yaml
-from tests.scenarios.maps import FREE, OCCUPIED, UNKNOWN, garage
+from examples.garage_map import FREE, OCCUPIED, UNKNOWN, garage
 
 from tightspot.errors import SceneError
 from tightspot.scenarios import check, load

@@ -1,12 +1,18 @@
-"""A garage as a robot maps it: walls, pillars, parked cars seen from outside only, ragged edges and specks."""
+"""A garage as a robot maps it: walls, pillars, parked cars seen from outside only, ragged edges and specks.
+
+python examples/garage_map.py garage-map
+tightspot plan garage-map/garage.yaml
+"""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 
 FREE, UNKNOWN, OCCUPIED = 254, 205, 0
 COLUMNS, ROWS = 400, 300
@@ -16,18 +22,18 @@ COLUMNS, ROWS = 400, 300
 class GarageMap:
     """A picture (its first row on top), and poses in the plane of the map file."""
 
-    picture: np.ndarray
+    picture: NDArray[np.uint8]
     resolution: float
     origin: tuple[float, float, float]
     start: tuple[float, float, float]
     goal: tuple[float, float, float]
 
     @property
-    def occupied(self) -> np.ndarray:
+    def occupied(self) -> NDArray[np.bool_]:
         """The cells that are black or unknown, the first row at the bottom."""
         return (self.picture != FREE)[::-1]
 
-    def corners(self, rows, columns) -> np.ndarray:
+    def corners(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float64]:
         """The corners of cells in the plane, (n, 4, 2): p = origin + R(yaw) (column, row) * resolution."""
         x, y, yaw = self.origin
         square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
@@ -35,13 +41,13 @@ class GarageMap:
         turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
         return (x, y) + local @ turn.T
 
-    def write(self, directory: Path, name: str = "garage", **changes) -> Path:
-        """A PGM picture and its YAML file; returns the latter."""
+    def write(self, directory: Path, name: str = "garage", *, ends: bool = False) -> Path:
+        """A PGM picture and its YAML file, with start and goal in it if they are asked for; returns the latter."""
         rows, columns = self.picture.shape
         header = f"P5\n# made for a test\n{columns} {rows}\n255\n".encode()
         (directory / f"{name}.pgm").write_bytes(header + self.picture.tobytes())
         path = directory / f"{name}.yaml"
-        keys = {
+        keys: dict[str, object] = {
             "image": f"{name}.pgm",
             "resolution": self.resolution,
             "origin": list(self.origin),
@@ -49,11 +55,20 @@ class GarageMap:
             "occupied_thresh": 0.65,
             "free_thresh": 0.196,
         }
-        path.write_text(yaml.safe_dump(keys | changes))
+        if ends:
+            poses = {key: dict(zip(("x", "y", "theta"), getattr(self, key), strict=True)) for key in ("start", "goal")}
+            keys["tightspot"] = {**poses, "vehicle": "tpcap", "margin": 0.02}
+        path.write_text(yaml.safe_dump(keys, sort_keys=False))
         return path
 
 
-def garage(resolution=0.1, turned=0.0, origin=(0.0, 0.0, 0.0), seed=0, noise=True) -> GarageMap:
+def garage(
+    resolution: float = 0.1,
+    turned: float = 0.0,
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    seed: int = 0,
+    noise: bool = True,
+) -> GarageMap:
     """A garage of 34 m x 24 m in a map of 40 m x 30 m; one bay between parked cars is the goal.
 
     Args:
@@ -72,7 +87,7 @@ def garage(resolution=0.1, turned=0.0, origin=(0.0, 0.0, 0.0), seed=0, noise=Tru
     scale = 0.75 if turned else 1.0
     half_x, half_y = 17.0 * scale, 12.0 * scale
 
-    def box(cx, cy, width, height):
+    def box(cx: float, cy: float, width: float, height: float) -> NDArray[np.bool_]:
         return (abs(x - cx) <= width / 2) & (abs(y - cy) <= height / 2)
 
     inside = box(0, 0, 2 * half_x, 2 * half_y)
@@ -106,7 +121,7 @@ def garage(resolution=0.1, turned=0.0, origin=(0.0, 0.0, 0.0), seed=0, noise=Tru
     picture[unknown] = UNKNOWN
     picture[occupied] = OCCUPIED
 
-    def pose(cx, cy, theta):
+    def pose(cx: float, cy: float, theta: float) -> tuple[float, float, float]:
         ox, oy, yaw = origin
         px, py = cos * cx - sin * cy + size[0] / 2, sin * cx + cos * cy + size[1] / 2
         return (
@@ -117,3 +132,9 @@ def garage(resolution=0.1, turned=0.0, origin=(0.0, 0.0, 0.0), seed=0, noise=Tru
 
     start, goal = pose(-half_x + 3.0, 0.0, 0.0), pose(float(bays[goal_bay]), half_y - 1.5, -np.pi / 2)
     return GarageMap(picture[::-1].copy(), resolution, origin, start, goal)
+
+
+if __name__ == "__main__":
+    directory = Path(sys.argv[1] if len(sys.argv) > 1 else "garage-map")
+    directory.mkdir(parents=True, exist_ok=True)
+    print(garage(turned=0.0, origin=(-20.0, 35.5, 0.6), seed=1).write(directory, ends=True))
