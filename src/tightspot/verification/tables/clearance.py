@@ -108,7 +108,7 @@ class _Judge:
         straight = self.reading(rows, first, 0.0)
         if bulge < 1e-12:
             return straight, straight
-        free = straight.clearance - bulge >= self.margin and straight.inside - bulge >= 0
+        free = bulge < RESOLUTION and straight.clearance - bulge >= self.margin and straight.inside - bulge >= 0
         if free:
             return straight, straight._replace(clearance=straight.clearance - bulge, inside=straight.inside - bulge)
         return straight, self.reading(rows, first, bulge)

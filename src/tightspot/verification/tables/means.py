@@ -55,26 +55,36 @@ def speed_changes(steps: Steps, h: Array) -> Iterator[Change]:
 
 
 def steering_changes(steps: Steps, h: Array) -> Iterator[Change]:
-    """Changes of the steering angle that belongs to the mean curvature, rad, within T1 + T2."""
+    """Changes of the tangent of the steering angle, L times the mean curvature.
+
+    Mean curvatures are weighted by the way. If a function changes at most by F in a second, its weighted means over two
+    stretches, one after the other, differ by at most F times the time between the weights' centres. Here F is
+    omega / cos(delta)^2 for the largest steering angle that may occur on both; the cosine is counted in
+    :attr:`Change.time`.
+    """
     way, turn, time = running(steps.along), running(steps.turn), running(h)
-    xy, L = np.sqrt(2) * steps.xy, steps.vehicle.wheelbase
+    moment = running(steps.along * 0.5 * (time[1:] + time[:-1]))
+    xy, L, limits = np.sqrt(2) * steps.xy, steps.vehicle.wheelbase, steps.vehicle.limits
     error = running(steps.along_error + xy * np.abs(steps.turn))
-    gear = np.where(steps.hidden > 0, 0.0, np.sign(steps.along))
-    gears = running(gear)
+    gears = running(np.where(steps.hidden > 0, 0.0, np.sign(steps.along)))
     for first, middle, last in _neighbours(h.size):
         one_gear = np.abs(gears[last] - gears[first]) == last - first
         shorter = np.minimum(np.abs(way[middle] - way[first]), np.abs(way[last] - way[middle]))
-        long = shorter > max(_SHORTEST, _LONG_ENOUGH * xy)
-        first, middle, last = (rows[one_gear & long] for rows in (first, middle, last))
+        chosen = one_gear & (shorter > max(_SHORTEST, _LONG_ENOUGH * xy))
+        first, middle, last = (rows[chosen] for rows in (first, middle, last))
         if not first.size:
             continue
-        angle, blur = [], np.full(first.size, 1e-3)
+        tangent, centre, blur = [], [], np.full(first.size, 1e-3)
         for a, b in ((first, middle), (middle, last)):
-            curvature = (turn[b] - turn[a]) / (way[b] - way[a])
-            wrong = 2 * steps.rounding("theta") + np.abs(curvature) * (2 * xy + error[b] - error[a])
-            angle.append(np.arctan(L * curvature))
-            blur += L * wrong / np.abs(way[b] - way[a])
-        yield Change(angle[1] - angle[0], blur, time[last] - time[first], middle.astype(float))
+            length = np.abs(way[b] - way[a])
+            tangent.append(L * (turn[b] - turn[a]) / (way[b] - way[a]))
+            centre.append((moment[b] - moment[a]) / (way[b] - way[a]))
+            blur += (L * 2 * steps.rounding("theta") + np.abs(tangent[-1]) * (2 * xy + error[b] - error[a])) / length
+        # Within an interval the centre may be anywhere.
+        between = np.minimum(centre[1] - centre[0] + 0.5 * (h[first] + h[last - 1]), time[last] - time[first])
+        angle = np.arctan(np.maximum(np.abs(tangent[0]), np.abs(tangent[1])))
+        largest = np.minimum(angle + limits.steering_rate * (time[last] - time[first]), max(limits.steering, 1.2))
+        yield Change(tangent[1] - tangent[0], blur, between / np.cos(largest) ** 2, middle.astype(float))
 
 
 def _neighbours(count: int) -> Iterator[tuple[Index, Index, Index]]:

@@ -118,12 +118,10 @@ def _table(found: list[tuple[int, str]], comments: Sequence[str]) -> RawTable:
         separator = " "
     cells = _cells([line for _, line in found], separator)
     numbers = [index for index, _ in found]
-    names: Sequence[str] | None = None
-    if not all(_numeric(cell) for cell in cells[0]):
+    named = [row for row in map(_comment_names, comments) if row is not None]
+    names: Sequence[str] | None = named[-1] if named else None
+    if not all(map(_numeric, cells[0])) and (names is None or len(names) != len(cells[0]) or _are_names(cells[0])):
         names, cells, numbers = cells[0], cells[1:], numbers[1:]
-    else:
-        named = [row for row in (_comment_names(comment) for comment in comments) if row is not None]
-        names = named[-1] if named else None
     units: Sequence[str] = ()
     if names is not None and cells and _are_units(cells[0]):
         units, cells, numbers = cells[0], cells[1:], numbers[1:]
@@ -168,8 +166,11 @@ def _are_units(cells: Sequence[str]) -> bool:
 def _comment_names(comment: str) -> list[str] | None:
     """The names in a comment, if x and y are among them."""
     names = next(iter(_cells([comment], _separator(comment))), [])
-    meanings = {heading_of(name).meaning for name in names}
-    return names if {"x", "y"} <= meanings and len(names) <= _MOST_COLUMNS else None
+    return names if len(names) <= _MOST_COLUMNS and _are_names(names) else None
+
+
+def _are_names(cells: Sequence[str]) -> bool:
+    return {"x", "y"} <= {heading_of(cell).meaning for cell in cells}
 
 
 def _has_decimal_commas(rows: Sequence[Sequence[str]]) -> bool:

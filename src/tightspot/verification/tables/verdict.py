@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,8 @@ from tightspot.verification.tables.table import Table
 Array = NDArray[np.float64]
 
 _MOST_LINES = 5
+_ROUGH = 0.1
+"""If sampling explains more side slip than this share of the way, the table is called coarse."""
 _COLLISIONS = {
     FREE: "collision-free: proved for the interpolated motion at all times",
     COLLIDES: "collision: the interpolated motion collides",
@@ -85,7 +88,7 @@ class TableVerdict:
         """The worst moment of each pair that keeps not clear, the worst first; their times are rows, see ``place``."""
         return self.clearances.interpolated.moments
 
-    @property
+    @cached_property
     def place(self) -> Place:
         """Where in the table a row is."""
         return Place.of(self.table)
@@ -192,6 +195,8 @@ def judge_table(
     poses, notes = _poses(scenario, table)
     found = clearances(scenario, vehicle, poses, margin)
     place, steps = Place.of(table), Steps.of(table, poses, vehicle)
+    if steps.across_error.sum() > _ROUGH * steps.length.sum():
+        notes.append("rows are so far apart that much may happen in between: kinematics are judged only roughly")
     findings = [
         *clearance_findings(found, scenario, place, margin),
         *consistency(steps, place, tolerances),
