@@ -87,7 +87,7 @@ def _draw(axes: Axes, explanation: Explanation, box: Box) -> None:
         if overlap.area > 0:
             look = {"facecolor": (style.BAD, 0.35), "edgecolor": style.BAD, "hatch": "////", "linewidth": 0.8}
             axes.add_patch(shape_patch(overlap, zorder=8.5, gid="overlap", **look))
-        elif scenario.obstacles:
+        elif scenario.solids:
             line = shapely.shortest_line(body, all_obstacles(scenario))
             axes.plot(*shapely.get_coordinates(line).T, color=style.BAD, linewidth=1.4, zorder=8.5, gid="gap")
     frame_axes(axes, box, scenario.offset)

@@ -19,7 +19,7 @@ from tightspot.plotting.captions import put_legend, put_title, shortened
 from tightspot.plotting.layout import page
 from tightspot.plotting.motion import dense_motion, sampling_step
 from tightspot.plotting.profiles import draw_clearance
-from tightspot.plotting.scene import draw_names, draw_path, draw_scene, obstacle_shape
+from tightspot.plotting.scene import draw_names, draw_path, draw_scene
 from tightspot.plotting.view import Box, frame_axes, view_box
 from tightspot.scenarios import Scenario
 from tightspot.trajectory import Trajectory
@@ -135,7 +135,7 @@ def draw_moment(axes: Axes, scenario: Scenario, vehicle: VehicleModel, witness: 
     if overlap.area > 0:
         look: dict[str, Any] = {"facecolor": (style.BAD, 0.35), "edgecolor": style.BAD, "hatch": "////"}
         axes.add_patch(shape_patch(overlap, linewidth=0.8, zorder=8.5, gid="overlap", **look))
-    elif scenario.obstacles and witness.obstacle != WORKSPACE:
+    elif scenario.solids and witness.obstacle != WORKSPACE:
         ends = shapely.get_coordinates(shapely.shortest_line(body, all_obstacles(scenario)))
         axes.plot(*ends.T, color=style.BAD, linewidth=1.4, zorder=8.5)
 
@@ -149,7 +149,7 @@ def forbidden_part(scenario: Scenario, body: Any) -> Any:
 def detail_window(scenario: Scenario, body: Any) -> Box:
     """A square around the overlap or, if there is none, the body's nearest points, at least 1 m wide."""
     place = forbidden_part(scenario, body)
-    if place.area == 0 and scenario.obstacles:
+    if place.area == 0 and scenario.solids:
         place = shapely.shortest_line(body, all_obstacles(scenario))
     bounds = Box.around(shapely.get_coordinates(body if place.is_empty else place))
     half = max(0.5, 0.9 * max(bounds.width, bounds.height))
@@ -158,8 +158,8 @@ def detail_window(scenario: Scenario, body: Any) -> Box:
 
 
 def all_obstacles(scenario: Scenario) -> Any:
-    """The union of the obstacles, a shapely geometry."""
-    return shapely.union_all([obstacle_shape(obstacle) for obstacle in scenario.obstacles])
+    """The union of the solids: obstacles, and what a nonconvex boundary excludes; a shapely geometry."""
+    return shapely.union_all([part.to_shapely() for _, part in scenario.obstacle_parts])
 
 
 def _draw_reached(axes: Axes, at: Array) -> None:

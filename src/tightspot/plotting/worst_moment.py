@@ -227,7 +227,7 @@ def _draw_body(axes: Axes, judged: Judged) -> None:
     if overlap.area > 0:
         look = {"facecolor": (style.BAD, 0.35), "edgecolor": style.BAD, "hatch": "////", "linewidth": 0.8}
         axes.add_patch(shape_patch(overlap, zorder=8.5, gid="overlap", **look))
-    elif judged.obstacle and judged.obstacle != WORKSPACE and judged.scenario.obstacles:
+    elif judged.obstacle and judged.obstacle != WORKSPACE and judged.scenario.solids:
         ends = shapely.get_coordinates(shapely.shortest_line(body, all_obstacles(judged.scenario)))
         axes.plot(*ends.T, color=judged.color, linewidth=1.8, marker=".", zorder=8.6, gid="gap")
 
@@ -257,7 +257,7 @@ def _window(judged: Judged, body: Any) -> Box:
     if judged.obstacle:
         pieces = shapely.get_parts(forbidden_part(judged.scenario, body))
         place: Any = pieces[int(np.argmax(shapely.area(pieces)))] if len(pieces) else shapely.Point()
-        if place.area == 0 and judged.scenario.obstacles:
+        if place.area == 0 and judged.scenario.solids:
             place = shapely.shortest_line(body, all_obstacles(judged.scenario))
         if not place.is_empty:
             bounds = Box.around(shapely.get_coordinates(place))
