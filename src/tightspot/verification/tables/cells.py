@@ -97,7 +97,7 @@ def half_unit(cells: Sequence[str], values: Array) -> float:
     step = max(1, len(cells) // _SAMPLES)
     digits = max((_significant(cell) for cell in cells[::step]), default=0)
     largest = float(np.abs(values).max(initial=0.0))
-    if not (largest > 0 and digits > 0 and np.isfinite(largest)):
+    if not (0 < largest < 1e300 and digits > 0):
         return 0.5 * COARSEST
     exponent = int(np.floor(np.log10(largest)))
     unit = 10.0 ** max(-300, exponent + 1 - digits)

@@ -147,8 +147,8 @@ def _shape_problems(arrays: Mapping[str, Array], columns: Columns) -> list[Probl
         where = f"column {shown(columns.headings[columns.place[meaning]].name)}"
         if array.ndim != 1:
             problems.append(Problem(where, f"has the shape {array.shape}; it must be one list of numbers"))
-        elif not np.isfinite(array).all():
-            bad = int(np.flatnonzero(~np.isfinite(array))[0])
+        elif not (np.abs(array) < 1e300).all():
+            bad = int(np.flatnonzero(~(np.abs(array) < 1e300))[0])
             problems.append(Problem(f"row {bad + 1}, {where}", f"{array[bad]} is not a finite number"))
     if len(lengths) > 1:
         problems.append(Problem("columns", f"have different lengths: {', '.join(map(str, sorted(lengths)))}"))
