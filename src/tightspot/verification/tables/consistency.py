@@ -112,7 +112,7 @@ def _heading_by_way(steps: Steps, tan: Array, slope: float) -> tuple[Array, floa
     """Allowances where the way takes the place of speed and time: the curvature tan(delta)/L is along it."""
     L, xy = steps.vehicle.wheelbase, np.sqrt(2) * steps.xy
     change = np.abs(np.diff(tan)) / L
-    allowance = 0.5 * steps.length * change + slope * steps.length + xy * change
+    allowance = steps.length * (0.5 * change + _bend(tan) / L) + slope * steps.length + xy * change
     allowance += steps.curvature * steps.hidden + 0.5 * np.abs(steps.turn) ** 3
     if steps.h is not None:
         rate = largest_rate(steps.table, "omega", steps.vehicle)
@@ -133,8 +133,7 @@ def _rate(steps: Steps, place: Place, tolerances: Tolerances, value: str, rate: 
     if f is None or g is None or h is None:
         why = "there are no times" if h is None else "the table has not both columns"
         return not_judged(name, GROUP, why)
-    bend = 0.25 * np.abs(np.pad(np.diff(g, 2), 1))
-    bend = np.maximum(bend[1:], bend[:-1])
+    bend = _bend(g)
     high, low = np.maximum(g[1:], g[:-1]) + bend, np.minimum(g[1:], g[:-1]) - bend
     change, t = np.diff(f), steps.rounding("t")
     allowance = steps.rounding(rate) * h + t * np.abs(np.diff(g)) + tolerances.relative * np.abs(change)
@@ -144,6 +143,12 @@ def _rate(steps: Steps, place: Place, tolerances: Tolerances, value: str, rate: 
     sentence = f"{name}: the {what} changes by {found.value:.4f} {unit} more or less than its rate says"
     sentence += f"{_over(steps, found)} {place.words(found.middle)} (at most {found.limit:.4f} {unit} fit)"
     return _finding(steps, name, found, unit, sentence)
+
+
+def _bend(values: Array) -> Array:
+    """How far a smooth curve may leave the values at both ends of an interval: a quarter of the second differences."""
+    differences = 0.25 * np.abs(np.pad(np.diff(values, 2), 1))
+    return np.asarray(np.maximum(differences[1:], differences[:-1]))
 
 
 def _excesses(change: Array, high: Array, low: Array, allowance: Array, ends: float) -> Iterator[Stretch]:
