@@ -8,13 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from tightspot.geometry import ConvexPolygon, covers
+from tightspot.errors import GeometryError
+from tightspot.geometry import ConvexPolygon, convex_parts, covers
+from tightspot.geometry.solids import polygons_in
 from tightspot.scenarios.obstacle import Obstacle, unique_names
 
 TOLERANCE = 1e-3
 """Solids reach out of the obstacles by at most this, m, and never fall short of them."""
 HAIR = 1e-8
 """By this, m, parts are grown if rounding left cracks between them."""
+MANY_PAIRS = 200_000
 _SHARE = 0.4 * TOLERANCE  # for merging, and again for simplifying; the rest is left to decomposition
 
 
@@ -64,27 +67,52 @@ def solids(members: Sequence[Member]) -> tuple[Solid, ...]:
 
 
 def _solid(name: str, members: Sequence[Member]) -> Solid:
+    region = [polygon for member in members for polygon in member.polygons]
+    parts, labels = _heap(name, region) if _is_heap(region) else _cover(members, region)
+    closed = _uncracked(parts, region)
+    if closed is None:
+        closed = tuple(part for member in members for part in member.parts)
+        labels = [member.name for member in members for _ in member.parts]
+    return Solid(name, tuple(member.name for member in members), closed, tuple(labels))
+
+
+def _cover(members: Sequence[Member], region: list[shapely.Polygon]) -> tuple[list[ConvexPolygon], list[str]]:
+    """The members' parts, as far as possible merged, and the names of the obstacles in each."""
     parts = [part for member in members for part in member.parts]
     owners = [member.name for member in members for _ in member.parts]
-    region = [polygon for member in members for polygon in member.polygons]
     merged = [covers.Merged(part, (i,)) for i, part in enumerate(parts)]
     if len(parts) > 1:
         merged = covers.merged(parts, shapely.union_all([*region, *(p.to_shapely() for p in parts)]), _SHARE)
-    return Solid(
-        name=name,
-        members=tuple(member.name for member in members),
-        parts=_uncracked([covers.simplified(item.polygon, _SHARE) for item in merged], region),
-        labels=tuple(_joined(list(dict.fromkeys(owners[i] for i in item.indices))) for item in merged),
-    )
+    labels = [_joined(list(dict.fromkeys(owners[i] for i in item.indices))) for item in merged]
+    return [covers.simplified(item.polygon, _SHARE) for item in merged], labels
 
 
-def _uncracked(parts: Sequence[ConvexPolygon], region: Sequence[shapely.Polygon]) -> tuple[ConvexPolygon, ...]:
-    """The parts, grown by a hair if they do not cover the polygons to the last bit."""
-    cover = shapely.union_all([part.to_shapely() for part in parts])
-    shapely.prepare(cover)
-    if shapely.covers(cover, region).all():
-        return tuple(parts)
-    return tuple(ConvexPolygon.from_halfplanes(part.A, part.b + HAIR) for part in parts)
+def _heap(name: str, region: list[shapely.Polygon]) -> tuple[list[ConvexPolygon], list[str]]:
+    """Convex parts of the union, none if rounding forbids it; who is in which of them nobody wants to know."""
+    try:
+        parts = convex_parts(polygons_in(shapely.union_all(region)), name)
+    except GeometryError:
+        return [], []
+    return [covers.simplified(part, _SHARE) for part in parts], [name] * len(parts)
+
+
+def _is_heap(polygons: Sequence[shapely.Polygon]) -> bool:
+    """Whether so many polygons lie over each other that pairs of them are too many to look at; by a sample."""
+    if len(polygons) ** 2 <= MANY_PAIRS:
+        return False
+    sample = [polygons[i] for i in np.linspace(0, len(polygons) - 1, 100).astype(int)]
+    return len(shapely.STRtree(polygons).query(sample)[0]) / len(sample) * len(polygons) > MANY_PAIRS
+
+
+def _uncracked(parts: Sequence[ConvexPolygon], region: Sequence[shapely.Polygon]) -> tuple[ConvexPolygon, ...] | None:
+    """The parts, grown by a hair if they do not cover the polygons to the last bit; ``None`` if that does not help."""
+    for hair in (0.0, HAIR):
+        grown = tuple(ConvexPolygon.from_halfplanes(part.A, part.b + hair) if hair else part for part in parts)
+        cover = shapely.union_all([part.to_shapely() for part in grown])
+        shapely.prepare(cover)
+        if shapely.covers(cover, region).all():
+            return grown
+    return None
 
 
 def _touching(members: Sequence[Member]) -> list[list[int]]:
@@ -99,14 +127,27 @@ def _touching(members: Sequence[Member]) -> list[list[int]]:
 
     polygons = [polygon for member in members for polygon in member.polygons]
     owner = [i for i, member in enumerate(members) for _ in member.polygons]
-    pairs = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=TOLERANCE) if polygons else ()
-    for p, q in np.transpose(pairs).tolist():
+    for p, q in _near(polygons):
         low, high = sorted((root(owner[p]), root(owner[q])))
         group[high] = low
     found: dict[int, list[int]] = {}
     for i in range(len(members)):
         found.setdefault(root(i), []).append(i)
     return list(found.values())
+
+
+def _near(polygons: list[shapely.Polygon]) -> list[list[int]]:
+    """Pairs of polygons (indices) no farther apart than the tolerance, or enough of them to connect all such."""
+    if not polygons:
+        return []
+    if not _is_heap(polygons):
+        pairs = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=TOLERANCE)
+        return [[int(p), int(q)] for p, q in pairs.T]
+    grown = shapely.buffer(polygons, TOLERANCE / 2, join_style="mitre")
+    islands = shapely.get_parts(shapely.union_all(grown))
+    places, island = shapely.STRtree(islands).query(shapely.point_on_surface(polygons), predicate="intersects")
+    first: dict[int, int] = {}
+    return [[first.setdefault(i, p), p] for p, i in zip(places.tolist(), island.tolist(), strict=True)]
 
 
 def _joined(names: Sequence[str]) -> str:
