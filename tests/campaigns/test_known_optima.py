@@ -16,8 +16,8 @@ LEADS_TO = {
     ("parallel", 1.2208): ("17", "collision-free"),
     ("parallel", 1.162): ("19-single", "start 0"),
 }
-"""(scene, J) to a method and a guess that end there on every machine tried. In which optimum a guess ends is a matter of
-rounding elsewhere: the other rows are in benchmarks/results/paper, found by many starts."""
+"""(scene, J) to a method and a guess that end there on every machine tried. In which optimum a guess ends is a matter
+of rounding elsewhere: the other rows are in benchmarks/results/paper, found by many starts."""
 
 
 @cache
