@@ -37,7 +37,8 @@ def run_scene(seed: int, index: int, limit: float, directory: str) -> dict[str, 
         row["outcome"] = "time"
     if plan is not None:
         row |= _audit(plan, Path(directory) / "plans" / f"{scene.scenario.name}.json")
-    return row | {"judged": [_questioned(judged) for judged in asked]}
+    different = {judged.certificate.digest: judged for judged in asked}.values()
+    return row | {"judged": [_questioned(judged) for judged in different]}
 
 
 def _audit(plan: Plan, path: Path) -> dict[str, Any]:

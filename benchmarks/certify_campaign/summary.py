@@ -47,10 +47,13 @@ def summarise(rows: list[Row]) -> dict[str, Any]:
 
 
 def false_alarms(rows: Iterable[Row]) -> dict[str, dict[str, Any]]:
-    """Refusals in the rounds of planning, and trajectories judged again; each with the false ones' scenes."""
+    """Refusals in the rounds of planning, and trajectories judged again; each with the false ones' scenes.
+
+    What the planner asked twice, from two guesses that led to the same trajectory, counts once.
+    """
     refusals, again = [], []
     for row in rows:
-        for judged in row["judged"]:
+        for judged in {str(question): question for question in row["judged"]}.values():
             refusals += [(row["name"], refusal["false_alarm"]) for refusal in judged["refusals"]]
             if judged["again"] is not None:
                 again.append((row["name"], not judged["again"]["certified"]))

@@ -52,11 +52,11 @@ def test_a_scene_is_planned_and_replayed(row, directory):
 
 
 def test_every_question_to_the_judge_is_recorded(row):
-    assert len(row["judged"]) >= 1
     with recorded() as asked:
         plan = tightspot.plan(random_scene(1, EASY).scenario)
-    assert len(asked) == len(row["judged"])
-    assert asked[-1].certificate.digest == plan.certificate.digest
+    digests = {judged.certificate.digest for judged in asked}
+    assert plan.certificate.digest in digests
+    assert len(digests) == len(row["judged"])
 
 
 @pytest.fixture
