@@ -72,6 +72,13 @@ def test_a_chamfer_within_the_tolerance_is_cut_off_outward():
     np.testing.assert_allclose(covers.simplified(chamfered, TOLERANCE).vertices, [(0, 0), (1, 0), (1, 1), (0, 1)])
 
 
+def test_growing_moves_every_edge():
+    triangle = ConvexPolygon.from_vertices([(0, 0), (4, 0), (0, 3)])
+    larger = covers.grown(triangle, 0.1)
+    np.testing.assert_allclose(larger.A, triangle.A, atol=1e-12)
+    np.testing.assert_allclose(larger.b, triangle.b + 0.1)
+
+
 def test_a_dropped_vertex_is_taken_in_again():
     bump = (0.5, -9e-10)  # clean_ring drops it: it lies on the line but for 1e-9 of the extent
     (part,) = covers.reaching([ConvexPolygon.from_vertices([(0, 0), bump, (1, 0), (1, 1), (0, 1)])], np.array([bump]))

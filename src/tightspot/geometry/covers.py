@@ -53,6 +53,13 @@ def containing(polygon: ConvexPolygon, points: Array) -> ConvexPolygon:
     return ConvexPolygon.from_halfplanes(polygon.A, polygon.b + np.maximum(excess, 0.0) + rounding)
 
 
+def grown(polygon: ConvexPolygon, distance: float) -> ConvexPolygon:
+    """The polygon with all its edges moved outward by ``distance`` m."""
+    normal, following = polygon.A, np.roll(polygon.A, -1, axis=0)
+    step = (normal + following) / (1.0 + (normal * following).sum(axis=1, keepdims=True))
+    return ConvexPolygon.from_vertices(polygon.vertices + distance * step)
+
+
 def reaching(parts: Sequence[ConvexPolygon], points: Array) -> list[ConvexPolygon]:
     """The parts, widened where need be so that each of the points (n, 2) m lies in one of them.
 

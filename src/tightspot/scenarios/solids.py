@@ -18,6 +18,9 @@ TOLERANCE = 1e-3
 HAIR = 1e-8
 """By this, m, parts are grown if rounding left cracks between them."""
 MANY_PAIRS = 200_000
+"""Pairs of polygons that are looked at; beyond, they are united first."""
+MANY_PARTS = 500
+"""Parts of one obstacle, which are few as they are; beyond, none are merged."""
 _SHARE = 0.4 * TOLERANCE  # for merging, and again for simplifying; the rest is left to decomposition
 
 
@@ -81,7 +84,7 @@ def _cover(members: Sequence[Member], region: list[shapely.Polygon]) -> tuple[li
     parts = [part for member in members for part in member.parts]
     owners = [member.name for member in members for _ in member.parts]
     merged = [covers.Merged(part, (i,)) for i, part in enumerate(parts)]
-    if len(parts) > 1:
+    if len(parts) > 1 and (len(members) > 1 or len(parts) <= MANY_PARTS):
         merged = covers.merged(parts, shapely.union_all([*region, *(p.to_shapely() for p in parts)]), _SHARE)
     labels = [_joined(list(dict.fromkeys(owners[i] for i in item.indices))) for item in merged]
     return [covers.simplified(item.polygon, _SHARE) for item in merged], labels
@@ -107,7 +110,7 @@ def _is_heap(polygons: Sequence[shapely.Polygon]) -> bool:
 def _uncracked(parts: Sequence[ConvexPolygon], region: Sequence[shapely.Polygon]) -> tuple[ConvexPolygon, ...] | None:
     """The parts, grown by a hair if they do not cover the polygons to the last bit; ``None`` if that does not help."""
     for hair in (0.0, HAIR):
-        grown = tuple(ConvexPolygon.from_halfplanes(part.A, part.b + hair) if hair else part for part in parts)
+        grown = tuple(covers.grown(part, hair) if hair else part for part in parts)
         cover = shapely.union_all([part.to_shapely() for part in grown])
         shapely.prepare(cover)
         if shapely.covers(cover, region).all():
