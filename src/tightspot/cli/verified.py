@@ -59,6 +59,8 @@ def judged_plan(path: Path, scene: str | None, vehicle: str | None, margin: floa
         "status": "upheld" if upheld else "not-upheld",
         "kind": "plan",
         "collision": _collision(judged),
+        "margin": judged.margin,
+        "clearance": _finite(judged.clearance),
         "certificate": certificate_facts(plan.certificate),
         "stored_certificate_proves_its_claim": stored,
         "reasons": reasons,

@@ -35,6 +35,9 @@ Array = NDArray[np.float64]
 _SAMPLES = 1500
 _FAULT_WINDOW = 1.2
 _DETAIL = (0.15, 2.5)
+"""Smallest and largest half width of the detail, m."""
+_TIMES_RADIUS, _TIMES_GAP = 12.0, 2.0
+"""How many times wider it is than the largest circle in the overlap, or than the gap."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +56,7 @@ class Judged:
         sentence: What happens then.
         upheld: Whether nothing speaks against the motion.
         margin: Demanded clearance, m.
+        directions: Whether heading and direction of motion are to be compared.
         rows: Positions (M, 2) that were given, if they are to be seen in the detail.
     """
 
@@ -67,6 +71,7 @@ class Judged:
     sentence: str
     upheld: bool
     margin: float
+    directions: bool = False
     rows: Array | None = None
 
     @property
@@ -128,6 +133,7 @@ def _of_table(verdict: TableVerdict) -> Judged:
     poses, place = motion.at(rows), verdict.place
     axis, at = _axis(verdict, rows)
     witness = _worst(verdict)
+    fault = verdict.failed[0] if verdict.failed and witness is None else None
     if witness is not None:
         row, obstacle, pose = witness.time, witness.obstacle, np.array(witness.pose)
         clearance = verdict.clearances.interpolated.clearance
@@ -135,7 +141,6 @@ def _of_table(verdict: TableVerdict) -> Judged:
         if verdict.upheld:
             sentence = f"clearance ≥ {floor_mm(clearance)} m between all rows, too; least {place.words(row)}"
     else:
-        fault = verdict.failed[0] if verdict.failed else None
         row = fault.row if fault is not None and fault.row is not None else 0.0
         obstacle, pose = "", motion.at(np.array([row]))[0]
         sentence = fault.sentence if fault is not None else "free: there is nothing to touch"
@@ -151,6 +156,7 @@ def _of_table(verdict: TableVerdict) -> Judged:
         sentence=sentence,
         upheld=verdict.upheld,
         margin=verdict.margin,
+        directions=fault is not None and fault.group == "kinematics",
         rows=verdict.poses[:, :2],
     )
 
@@ -242,7 +248,7 @@ def _draw_detail(axes: Axes, judged: Judged) -> Box:
     axes.plot(*judged.motion.poses[:, :2].T, color=style.INK, linewidth=1.2, zorder=9)
     if judged.rows is not None:
         axes.plot(*judged.rows.T, ".", color=style.INK, markersize=4, zorder=9.1, gid="rows")
-    if not judged.obstacle:
+    if judged.directions:
         _draw_directions(axes, judged)
     frame_axes(axes, window, judged.scenario.offset)
     axes.set(xlabel="", ylabel="")
@@ -252,17 +258,19 @@ def _draw_detail(axes: Axes, judged: Judged) -> Box:
 
 
 def _window(judged: Judged, body: Any) -> Box:
-    """A square around the largest overlap or the gap, some times as large as it is; else around the rear axle."""
+    """A square around where the overlap is widest, or the gap, some times as large as it is; else the rear axle."""
     (x, y), half = judged.pose[:2].tolist(), _FAULT_WINDOW
     if judged.obstacle:
         pieces = shapely.get_parts(forbidden_part(judged.scenario, body))
-        place: Any = pieces[int(np.argmax(shapely.area(pieces)))] if len(pieces) else shapely.Point()
-        if place.area == 0 and judged.scenario.solids:
-            place = shapely.shortest_line(body, all_obstacles(judged.scenario))
-        if not place.is_empty:
-            bounds = Box.around(shapely.get_coordinates(place))
-            half = float(np.clip(2 * max(bounds.width, bounds.height), *_DETAIL))
-            x, y = (bounds.x_min + bounds.x_max) / 2, (bounds.y_min + bounds.y_max) / 2
+        largest: Any = pieces[int(np.argmax(shapely.area(pieces)))] if len(pieces) else shapely.Point()
+        line, times = None, _TIMES_GAP
+        if largest.area > 0:
+            line, times = shapely.maximum_inscribed_circle(largest, 1e-4), _TIMES_RADIUS
+        elif judged.scenario.obstacles:
+            line = shapely.shortest_line(body, all_obstacles(judged.scenario))
+        if line is not None and not line.is_empty:
+            x, y = shapely.get_coordinates(line)[0].tolist()
+            half = float(np.clip(times * line.length, *_DETAIL))
     return Box(x - half, x + half, y - half, y + half)
 
 

@@ -47,7 +47,7 @@ def moment_sentence(moment: Witness, scenario: Scenario, place: Place) -> str:
 
 
 def _obstacles(reading: Reading, scenario: Scenario, place: Place, margin: float) -> Finding:
-    demanded = "no collision is demanded" if margin == 0 else f"demanded {margin:.4g} m"
+    demanded = f"demanded {margin:.4g} m"
     if reading.obstacles:
         worst = reading.obstacles[0]
         sentence = f"obstacles: {moment_sentence(worst, scenario, place)} ({demanded})"
