@@ -113,7 +113,7 @@ def test_a_refuted_solution_is_never_a_plan() -> None:
 
 def test_time_is_limited() -> None:
     with pytest.raises(PlanningError) as failure:
-        tightspot.plan("parallel", solver="ipopt", time_limit=0.05)
+        tightspot.plan("parallel", solver="ipopt", steps=200, time_limit=0.05)
     assert failure.value.report["rounds"][-1]["solve"]["status"] == "TIME_LIMIT"
 
 

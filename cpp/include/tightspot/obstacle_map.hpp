@@ -69,6 +69,22 @@ struct Box {
     }
 };
 
+/// The circle around a box.
+struct Circle {
+    Point centre;
+    double radius;
+
+    explicit Circle(const Box& box)
+        : centre{0.5 * (box.low.x + box.high.x), 0.5 * (box.low.y + box.high.y)},
+          radius(0.5 * std::hypot(box.high.x - box.low.x, box.high.y - box.low.y)) {}
+
+    /// Whether `q` is nearer to the circle's disc than `distance`, or in it.
+    bool is_within(Point q, double distance) const {
+        const double dx = q.x - centre.x, dy = q.y - centre.y, far = distance + radius;
+        return dx * dx + dy * dy <= far * far;
+    }
+};
+
 class ObstacleMap {
 public:
     ObstacleMap(std::vector<Polygon> obstacles, const Polygon& workspace, double reach, double cell)
@@ -78,19 +94,20 @@ public:
         const double cutoff = reach + grid_.half_diagonal();
         std::vector<std::pair<int, int>> entries;
         for (std::size_t j = 0; j < obstacles_.size(); ++j) {
+            const Circle circle(Box(obstacles_[j].vertices));
             grid_.for_each_near(obstacles_[j], reach, [&](int index) {
-                if (point_distance(obstacles_[j], grid_.middle(index)) <= cutoff)
+                const Point q = grid_.middle(index);
+                const bool is_small = circle.radius < reach;
+                if (is_small ? circle.is_within(q, cutoff) : point_distance(obstacles_[j], q) <= cutoff)
                     entries.emplace_back(index, static_cast<int>(j));
             });
         }
-        std::stable_sort(entries.begin(), entries.end());
         begin_.assign(grid_.size() + 1, 0);
-        near_.reserve(entries.size());
-        for (const auto& [index, obstacle] : entries) {
-            ++begin_[index + 1];
-            near_.push_back(obstacle);
-        }
+        for (const auto& [index, obstacle] : entries) ++begin_[index + 1];
         for (int i = 0; i < grid_.size(); ++i) begin_[i + 1] += begin_[i];
+        near_.resize(entries.size());
+        std::vector<int> next(begin_.begin(), begin_.end() - 1);
+        for (const auto& [index, obstacle] : entries) near_[next[index]++] = obstacle;
     }
 
     struct Range {

@@ -127,7 +127,7 @@ private:
     }
 
     static constexpr int most_rounds = 20;
-    static constexpr double most_pieces = 36.0;
+    static constexpr double most_pieces = 24.0;
     static constexpr double least_gain = 0.05;
 
     const CollisionChecker& checker_;

@@ -6,11 +6,16 @@ from tightspot.guesses.collision_free import CollisionFreeModel
 from tightspot.guesses.given_path import GivenPath
 from tightspot.guesses.hybrid_astar import HybridAStar
 from tightspot.guesses.lift import Arc, lift_arcs
+from tightspot.guesses.lifting import Lift
 from tightspot.guesses.linear import LinearInterpolation
+from tightspot.guesses.reeds_shepp import ReedsShepp
+from tightspot.guesses.rolling import lift_rolling
+from tightspot.guesses.several import variants
 from tightspot.guesses.simplified import SimplifiedModel
 
 GUESSES: dict[str, type[Guess]] = {
-    member.name: member for member in (HybridAStar, SimplifiedModel, CollisionFreeModel, LinearInterpolation)
+    member.name: member
+    for member in (HybridAStar, ReedsShepp, SimplifiedModel, CollisionFreeModel, LinearInterpolation)
 }
 """Members that need no further argument, by the name used at the edges."""
 
@@ -36,8 +41,12 @@ __all__ = [
     "Guess",
     "GuessResult",
     "HybridAStar",
+    "Lift",
     "LinearInterpolation",
+    "ReedsShepp",
     "SimplifiedModel",
     "guess",
     "lift_arcs",
+    "lift_rolling",
+    "variants",
 ]

@@ -1,20 +1,24 @@
-"""Hybrid A*: a collision-free path by search, driven exactly."""
+"""Hybrid A*: a collision-free path by search, given times."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from tightspot.guesses.base import Guess, GuessResult, as_single_track, known
-from tightspot.guesses.lift import Arc, lift_arcs
+from tightspot.guesses.lifting import Lift, checked_lift, lift_path
+from tightspot.guesses.perturbed import perturbed
 from tightspot.scenarios.bottleneck import is_closed
 from tightspot.scenarios.scenario import Scenario
 from tightspot.search import HybridAStarOptions, SearchResult, search
 from tightspot.vehicles.base import VehicleModel
 
 MORE_THAN_MARGIN = (0.05, 0.02, 0.0)
+
+
+def margins_for(margin: float) -> tuple[float, ...]:
+    """Clearances to search for, the largest first, where ``margin`` is demanded, m."""
+    return tuple(dict.fromkeys((*(margin + more for more in MORE_THAN_MARGIN), margin / 2)))
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,12 @@ class HybridAStar(Guess):
 
     Attributes:
         options: The search's; its margins are relative to the demanded one here if ``None``.
+        seed: If given, what gear changes, reverse and steering cost, the tightest turn and the end to begin at are
+            drawn at random: another course of the same scene, the same for the same seed.
+        lift: ``rolling`` steers while it drives; ``standing`` is exact and steers at standstill.
+
+    Raises:
+        InputError: If there is no such lift.
 
     Reference: Dolgov, Thrun, Montemerlo, Diebel: Path planning for autonomous vehicles in unknown semi-structured
     environments, IJRR 2010; the paper's third guess.
@@ -35,13 +45,17 @@ class HybridAStar(Guess):
     name: ClassVar[str] = "hybrid-astar"
     collision_free: ClassVar[bool] = True
     options: HybridAStarOptions | None = None
+    seed: int | None = None
+    lift: Lift = "rolling"
+
+    def __post_init__(self) -> None:
+        checked_lift(self.lift)
 
     def make(self, scenario: Scenario, vehicle: VehicleModel, *, margin: float) -> GuessResult:
         car = as_single_track(vehicle, self.name)
-        options = self.options
-        if options is None:
-            margins = (*(margin + more for more in MORE_THAN_MARGIN), margin / 2)
-            options = replace(HybridAStarOptions(), margins=tuple(dict.fromkeys(margins)), time_limit=10.0)
+        options = self.options or HybridAStarOptions(margins=margins_for(margin))
+        if self.seed is not None:
+            options = perturbed(options, self.seed)
         obstacles = [polygon for _, polygon in scenario.obstacle_parts]
         start, goal = known(scenario.start), known(scenario.goal)
         result = search(
@@ -54,13 +68,13 @@ class HybridAStar(Guess):
             is_hopeless=lambda: is_closed(scenario, car, margin),
         )
         if result.path is None:
-            return GuessResult(None, result.explain(), _report(result), result)
-        arcs = [Arc(float(length), float(curvature)) for length, curvature in result.path.arcs]
-        trajectory = lift_arcs(arcs, np.asarray(scenario.start), float(scenario.goal[4]), car)
-        return GuessResult(trajectory, result.explain(), _report(result), result)
+            return GuessResult(None, result.explain(), report_of(result), result)
+        trajectory = lift_path(result.path, scenario, car, self.lift)
+        return GuessResult(trajectory, result.explain(), report_of(result), result)
 
 
-def _report(result: SearchResult) -> dict[str, Any]:
+def report_of(result: SearchResult) -> dict[str, Any]:
+    """What was tried, as plain data."""
     return {
         "status": result.status.name,
         "expansions": result.expansions,

@@ -1,0 +1,90 @@
+"""From a path of arcs to a timed trajectory that steers while it drives, as a good motion does."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.search import Path
+from tightspot.trajectory import Trajectory
+from tightspot.vehicles.single_track import SingleTrack
+
+Array = NDArray[np.float64]
+
+HALF_WINDOW = 0.075
+"""Steering is averaged over this much of the path to either side, in wheelbases. Measured: see docs/search.md."""
+_CRAWL = 1e-3
+
+
+def lift_rolling(path: Path, start: Array, goal_steering: float, vehicle: SingleTrack) -> Trajectory:
+    """Drive a path from rest to rest between gear changes, turning the wheels on the way.
+
+    The curvature of a path of arcs jumps, the steering angle cannot. Here it is the mean of ``arctan(kappa L)`` over a
+    short stretch of the path around each pose (from the start's angle and to the goal's at the ends), and the car is
+    slow where it changes: speed is a trapezoid over each stretch of one gear, and no more than the steering's rate
+    allows.
+
+    The poses at the knots lie on the path, and limits are kept. But where the steering changes it is not the path's,
+    so the inputs do not reproduce the poses exactly: a guess, from which the optimiser gets to better optima in fewer
+    iterations than from :func:`tightspot.guesses.lift_arcs`, which is exact and stands still while it steers.
+
+    Args:
+        path: From the search; of some length.
+        start: Full start state (x, y, theta, v, delta); a steering angle of NaN is taken from the first arc. Its speed
+            is left out: the optimiser restores it.
+        goal_steering: Steering angle at the end, rad; NaN: as it comes.
+        vehicle: Wheelbase and limits.
+
+    Returns:
+        Knots at the path's poses.
+    """
+    turns = np.diff(path.poses[:, 2])
+    chords = np.hypot(*np.diff(path.poses[:, :2], axis=0).T)
+    ways = chords / np.sinc(turns / (2 * np.pi))
+    keep = np.r_[True, ways > 1e-9]
+    poses, gears, ways = path.poses[keep], path.gear[keep][1:].astype(float), ways[keep[1:]]
+    s = np.r_[0.0, np.cumsum(ways)]
+    wanted = np.arctan(path.curvature[keep][1:] * vehicle.wheelbase)
+    first = wanted[0] if np.isnan(start[4]) else float(start[4])
+    last = goal_steering if np.isfinite(goal_steering) else wanted[-1]
+    delta = _averaged(s, wanted, first, last, min(HALF_WINDOW * vehicle.wheelbase, s[-1] / 2))
+    delta = np.clip(delta, -vehicle.limits.steering, vehicle.limits.steering)
+    stops = np.r_[True, np.diff(gears) != 0, True]
+    durations, v = _timed(s, gears, np.diff(delta), stops, vehicle)
+    states = np.column_stack([poses, v, delta])
+    inputs = np.column_stack([np.diff(v), np.diff(delta)]) / durations[:, None]
+    low, high = vehicle.input_bounds
+    t = np.r_[0.0, np.cumsum(durations)]
+    return Trajectory(t, states, np.clip(inputs, low, high), vehicle.state_names, vehicle.input_names)
+
+
+def _averaged(s: Array, wanted: Array, first: float, last: float, half: float) -> Array:
+    """The mean of the piecewise constant ``wanted`` (N,) over ``s`` +- ``half``, led to ``first`` and ``last``."""
+    edges = np.r_[-half, s, s[-1] + half]
+    integral = np.r_[0.0, np.cumsum(np.r_[first, wanted, last] * np.diff(edges))]
+    mean = (np.interp(s + half, edges, integral) - np.interp(s - half, edges, integral)) / (2 * half)
+    from_first = np.clip(1 - s / half, 0, 1)
+    from_last = np.clip(1 - (s[-1] - s) / half, 0, 1)
+    return np.asarray(mean + (first - mean[0]) * from_first + (last - mean[-1]) * from_last)
+
+
+def _timed(
+    s: Array, gears: Array, swings: Array, stops: NDArray[np.bool_], vehicle: SingleTrack
+) -> tuple[Array, Array]:
+    """Durations of the intervals (N,) and signed speeds at the knots (N+1,)."""
+    limits = vehicle.limits
+    rate = min(limits.acceleration[1], -limits.acceleration[0])
+    at = s[stops]
+    after = np.clip(np.searchsorted(at, s, side="right"), 1, at.size - 1)
+    room = np.minimum(s - at[after - 1], at[after] - s)
+    top = np.where(gears > 0, limits.speed[1], -limits.speed[0])
+    ramp = np.sqrt(2 * rate * np.maximum(room, 0.0))
+    mean = np.minimum(top, (ramp[1:] + ramp[:-1]) / 2)
+    ways = np.diff(s)
+    steered = limits.steering_rate * ways / np.maximum(np.abs(swings), 1e-12)
+    mean = np.maximum(np.minimum(mean, steered), _CRAWL * top)
+    durations = np.maximum(ways / mean, np.abs(swings) / limits.steering_rate)
+    v = np.zeros(s.size)
+    v[1:-1] = gears[1:] * np.minimum(mean[1:], mean[:-1])
+    v[stops] = 0.0
+    return durations, v
