@@ -11,7 +11,7 @@ from tightspot.vehicles import vehicle
 from tightspot.verification import Table, load_plan, read_table, write_trajectory_csv
 from tightspot.verification.tables import parse_table
 from tightspot.verification.tables.columns import MEANINGS, heading_of
-from tightspot.verification.tables.text import MOST_ROWS
+from tightspot.verification.tables.text import MOST_ROWS, decoded
 
 TWO_ROWS = {"t": [0.0, 0.5], "x": [1.0, 1.25], "y": [2.0, 2.0], "theta": [0.0, 0.1]}
 
@@ -59,6 +59,16 @@ def test_utf_16_as_spreadsheets_write_it(tmp_path):
     path = tmp_path / "table.txt"
     path.write_bytes(FORMATS["tabs"].encode("utf-16"))
     assert read_table(path).columns["x"].tolist() == [1.0, 1.25]
+
+
+def test_latin_1_as_old_programs_write_it():
+    table = parse_table(decoded("x,y,yaw [°]\n0,0,45\n1,1,45\n".encode("latin-1"), "table"))
+    assert table.columns["theta"] == pytest.approx(np.pi / 4)
+
+
+def test_xml_is_no_table():
+    with pytest.raises(TableError, match="XML or HTML"):
+        decoded(b'<?xml version="1.0"?><a/>', "table")
 
 
 def test_lines_are_those_of_the_file():
@@ -180,6 +190,7 @@ WRONG = {
     "time stands": ("t,x,y\n0,0,0\n0,1,0\n1,2,0\n", ["line 3, column 't'", "times must increase"]),
     "time runs back": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", ["line 4", "1 s does not come after 2 s"]),
     "a day and more": ("t,x,y\n0,0,0\n100000,1,0\n", ["more than a day", "[ms]"]),
+    "milliseconds": ("t,x,y,v\n0,0,0,1\n50,0.05,0,1\n100,.1,0,1\n", ["looks like milliseconds", "t [ms]"]),
     "NaN": ("x,y\n0,0\nnan,1\n2,2\n", ["line 3, column 'x'", "not a finite number"]),
     "infinity": ("x,y\n0,0\n1,inf\n2,2\n", ["line 3, column 'y'", "finite"]),
     "text": ("x,y\n0,0\n1,abc\n", ["line 3, column 'y'", "'abc' is not a number"]),

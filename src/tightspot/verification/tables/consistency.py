@@ -26,7 +26,7 @@ _NO_HEADINGS = "the headings are the directions of motion themselves"
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What is allowed beyond sampling and rounding.
+    """What is allowed beyond sampling and rounding; for plans the checks of the dynamics allow as much.
 
     Attributes:
         absolute: On any stretch, m, rad, m/s.
@@ -34,7 +34,7 @@ class Tolerances:
         bounds: Limits may be exceeded by this beyond rounding, in their units.
     """
 
-    absolute: float = 1e-3
+    absolute: float = 5e-3
     relative: float = 5e-3
     bounds: float = 1e-6
 

@@ -55,7 +55,7 @@ def implausible(
     if problems:
         return problems
     if "t" in values:
-        problems += _times(values["t"], names["t"], where)
+        problems += _times(values["t"], names["t"], where) or _milliseconds(values, explicit, names["t"])
     if "theta" in values and "theta" not in explicit:
         problems += _heading(values, names["theta"])
     if "delta" in values:
@@ -79,6 +79,19 @@ def _times(t: Array, name: str, where: Sequence[str]) -> list[Problem]:
         sentence = f"spans {t[-1] - t[0]:g} s, more than a day; write its unit, for example {name} [ms]"
         problems.append(Problem(column, sentence))
     return problems
+
+
+def _milliseconds(values: Mapping[str, Array], explicit: Collection[str], name: str) -> list[Problem]:
+    """Times are a thousand times too long if the way is a thousand times too short for the speeds."""
+    if "v" not in values or "t" in explicit:
+        return []
+    speed = np.abs(values["v"])
+    told = float((np.diff(values["t"]) * 0.5 * (speed[1:] + speed[:-1])).sum())
+    driven = float(np.hypot(np.diff(values["x"]), np.diff(values["y"])).sum())
+    if not (driven > 0 and 900 < told / driven < 1100):
+        return []
+    sentence = f"looks like milliseconds by speeds and positions; write the unit, for example {name} [ms]"
+    return [Problem(f"column {shown(name)}", sentence)]
 
 
 def _heading(values: Mapping[str, Array], name: str) -> list[Problem]:

@@ -19,6 +19,7 @@ _MOST_COLUMNS = 500
 
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blank"}
 
+_CONTROLS = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eEdD][-+]?\d+)?")
 _NO_NUMBER = {"", "nan", "na", "n/a", "null", "none", "inf", "-inf", "+inf", "infinity", "-infinity"}
@@ -59,17 +60,21 @@ def read_raw(path: Path) -> RawTable:
 
 
 def decoded(data: bytes, name: str) -> str:
-    """The text of a file in UTF-8, or in UTF-16 with its mark, as spreadsheets write it."""
+    """The text of a file in UTF-8, in UTF-16 with its mark, as spreadsheets write it, or in Latin-1."""
     encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     try:
         text = data.decode(encoding)
     except UnicodeDecodeError as error:
-        sentence = f"is not UTF-8 text (byte {error.start}); export the table as CSV"
-        raise TableError(Problem(name, sentence)) from None
+        if encoding == "utf-16" or _CONTROLS.search(data):
+            sentence = f"is not text (byte {error.start}); export the table as CSV"
+            raise TableError(Problem(name, sentence)) from None
+        text = data.decode("latin-1")
     if "\0" in text:
         raise TableError(Problem(name, "is not text; export the table as CSV"))
     if not text.strip():
         raise TableError(Problem(name, "is empty"))
+    if text.lstrip().startswith("<"):
+        raise TableError(Problem(name, "is XML or HTML, not a table; export the table as CSV"))
     return text
 
 
