@@ -26,10 +26,8 @@ from tightspot.scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]
 
-CELLS_OF_TOLERANCE = 2.0
-"""How many cells outlines may reach out of the occupied ones if the file does not say, ..."""
-LARGEST_TOLERANCE = 0.1
-"""... but no more than this, m, or than one cell if that is larger."""
+TOLERANCE = 0.05
+"""Outlines may reach out of the occupied cells by this, m, or by a cell if that is larger, if the file does not say."""
 MAX_SIDES = 30_000
 HAIR = 1e-6
 """Outlines are grown by this, m, so that no rounding uncovers the edge of a cell."""
@@ -85,7 +83,7 @@ def tolerance(spec: MapSpec) -> float:
     """How far outlines may reach out of the occupied cells, m."""
     if spec.tightspot.simplify is not None:
         return spec.tightspot.simplify
-    return max(spec.resolution, min(CELLS_OF_TOLERANCE * spec.resolution, LARGEST_TOLERANCE))
+    return max(spec.resolution, TOLERANCE)
 
 
 def picture_alone(path: Path) -> SceneError:
