@@ -200,10 +200,11 @@ def test_bad_input(kind, cli, table, plan_file):
 def test_all_problems_of_table_scene_and_vehicle_at_once(cli, tmp_path):
     path = tmp_path / "bad.csv"
     path.write_text("t,x,y,foo\n0,0,nan,0\n0,1,0,0\n")
-    result = cli("verify", path)
-    assert result.code == 2
-    for word in ("foo", "nan", "--scene"):
-        assert word in result.err
+    for options, words in (([], ["--scene"]), (["--scene", "obliqe", "--vehicle", "papr"], ["obliqe", "papr"])):
+        result = cli("verify", path, *options)
+        assert result.code == 2
+        for word in ("foo", "nan", *words):
+            assert word in result.err
 
 
 def test_a_plan_elsewhere(cli, plan_file):

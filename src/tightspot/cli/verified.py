@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from tightspot.cli.summary import certificate_facts
-from tightspot.errors import InputError, Problem, TableError
+from tightspot.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from tightspot.scenarios import Scenario
     from tightspot.vehicles import VehicleModel
     from tightspot.verification import Certificate, Plan, Table
+
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -109,26 +112,29 @@ def _read(
     from tightspot.verification import read_table
 
     problems: list[Problem] = []
-    scenario, table = None, None
+    table = _tried(lambda: read_table(path, columns=columns), problems)
+    scenario = None
+    if scene is None:
+        sentence = "is missing: a table does not say what is around; give a built-in scene or a scene file"
+        problems.append(Problem("--scene", sentence))
+    else:
+        scenario = _tried(lambda: load(scene), problems)
     car: VehicleModel | None = None
-    try:
-        table = read_table(path, columns=columns)
-    except TableError as error:
-        problems += error.problems
-    try:
-        scenario = None if scene is None else load(scene)
-        if scenario is None:
-            sentence = "is missing: a table does not say what is around; give a built-in scene or a scene file"
-            problems.append(Problem("--scene", sentence))
-        if vehicle is not None:
-            car = load_vehicle(vehicle)
-        elif scenario is not None:
-            car = scenario.vehicle_model()
-    except InputError as error:
-        problems += error.problems
+    if vehicle is not None:
+        car = _tried(lambda: load_vehicle(vehicle), problems)
+    elif scenario is not None:
+        car = _tried(scenario.vehicle_model, problems)
     if problems or scenario is None or car is None or table is None:
         raise InputError(problems)
     return scenario, car, table
+
+
+def _tried(read: Callable[[], _T], problems: list[Problem]) -> _T | None:
+    try:
+        return read()
+    except InputError as error:
+        problems += error.problems
+    return None
 
 
 def elsewhere(plan: Plan, scene: str | None, vehicle: str | None) -> Plan:

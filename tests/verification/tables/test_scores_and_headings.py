@@ -140,6 +140,8 @@ def test_a_verdict_as_data():
     assert witness["where"]["time"] == pytest.approx(0.05 * witness["where"]["row"], abs=1e-6)
     assert data["clearance"] <= witness["clearance"] <= data["clearance"] + 1e-3
     assert [check["name"] for check in data["checks"]] == [finding.name for finding in verdict.findings]
+    slip = next(check for check in data["checks"] if check["name"] == "side slip")
+    assert slip["rate"] == pytest.approx(slip["value"] / slip["span"])
     assert data["reasons"] == [check["sentence"] for check in data["checks"] if check["passed"] is False]
     assert data["table"]["columns"]["delta"] == "sigma"
     assert set(data["scores"]) == {"duration", "path_length", "gear_changes", "integral_a2_v2omega2", "integral_delta2"}

@@ -43,11 +43,14 @@ class Finding:
     source: str = ""
 
     def to_dict(self, place: Place) -> dict[str, Any]:
-        """Plain data; what is not finite becomes ``None``."""
+        """Plain data; what is not finite becomes ``None``. ``rate`` is the value over the span in s."""
         where = None if self.row is None else place.to_dict(self.row)
+        rate = None
+        if self.group == "kinematics" and place.t is not None and self.value is not None and self.span:
+            rate = finite(self.value / self.span)
         numbers = {key: finite(getattr(self, key)) for key in ("value", "limit", "span")}
         plain = {key: getattr(self, key) for key in ("name", "group", "passed", "unit", "source", "sentence")}
-        return {**plain, **numbers, "where": where}
+        return {**plain, **numbers, "rate": rate, "where": where}
 
 
 @dataclass(frozen=True, eq=False)
