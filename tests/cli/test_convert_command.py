@@ -100,9 +100,9 @@ def test_start_and_goal_on_the_command_line_go_before_the_scene(cli, quick_plann
     assert seen["s"].vehicle == "tpcap"
 
 
-@pytest.mark.parametrize(("turned", "origin"), [(0.0, (0.0, 0.0, 0.0)), (0.0, (-20.0, 35.5, 0.6))])
+@pytest.mark.parametrize(("turned", "origin"), [(0.0, (0.0, 0.0, 0.0)), (0.3, (-20.0, 35.5, 0.6))])
 def test_a_garage_map_is_planned_on_directly(cli, tmp_path, turned, origin):
-    made = garage(turned=turned, origin=origin)
+    made = garage(turned=turned, origin=origin, seed=2)
     ends = [f"--start={','.join(map(str, made.start))}", f"--goal={','.join(map(str, made.goal))}"]
     options = ["--vehicle", "tpcap", "--margin", "0.02", "-o", "out", "--no-picture", "-q"]
     result = cli("plan", made.write(tmp_path), *ends, *options)
@@ -112,5 +112,5 @@ def test_a_garage_map_is_planned_on_directly(cli, tmp_path, turned, origin):
     corners = made.corners(*np.nonzero(made.occupied)) - plan.scenario.offset
     body = plan.vehicle.parts[0].polygon
     for x, y, theta in plan.trajectory.poses:
-        moved = body.transformed(x, y, theta)
-        assert not moved.contains(corners.reshape(-1, 2)).any()
+        near = corners[(np.abs(corners[:, 0] - (x, y)) < 6).all(axis=1)]
+        assert not body.transformed(x, y, theta).contains(near.reshape(-1, 2)).any()

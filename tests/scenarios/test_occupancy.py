@@ -69,7 +69,7 @@ def test_every_occupied_cell_of_a_garage_is_covered_and_little_else(tmp_path, tu
 
 
 def test_the_workspace_is_the_map_turned_with_it(tmp_path):
-    made = garage(origin=(-3.0, 2.0, 0.7))
+    made = garage(origin=(-3.0, 2.0, 0.7), noise=False)
     W = load(made.write(tmp_path), start=made.start, goal=made.goal).workspace
     np.testing.assert_allclose(W.vertices[0], [-3, 2], atol=1e-9)
     np.testing.assert_allclose(W.vertices[1] - W.vertices[0], 40 * np.array([np.cos(0.7), np.sin(0.7)]), atol=1e-9)

@@ -107,10 +107,10 @@ def test_the_competition_scenes_are_covered(tpcap):
 
 def test_a_heap_of_thousands_is_one_solid_of_few_parts(scene):
     rng = np.random.default_rng(0)
-    heap = [box(x, x + w, y, y + h) for x, y, w, h in rng.uniform((4, 4, 0.5, 0.5), (8, 8, 3, 3), (600, 4))]
+    heap = [box(x, x + w, y, y + h) for x, y, w, h in rng.uniform((4, 4, 0.5, 0.5), (8, 8, 3, 3), (500, 4))]
     scene["obstacles"] = [*heap, box(-5, -4, -5, -4, "aside"), box(0, 1, 20, 21), box(1, 2, 20, 21)]
     scenario = checked(Scenario.from_dict(scene))
-    assert [len(solid.members) for solid in scenario.solids] == [600, 1, 2]
+    assert [len(solid.members) for solid in scenario.solids] == [500, 1, 2]
     assert len(scenario.obstacle_parts) < 60
 
 
