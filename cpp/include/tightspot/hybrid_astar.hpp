@@ -131,7 +131,10 @@ private:
     Outcome found_or(Outcome otherwise) const { return best_node_ >= 0 ? Outcome::found : otherwise; }
 
     /// Whether the path found costs hardly more than the least that any other can, `bound`.
-    bool is_good_enough(double bound) const { return bound * (1.0 + options_.tolerance) >= best_cost_; }
+    bool is_good_enough(double bound) const { return !is_better(bound); }
+
+    /// Whether a cost is lower than that of the path found by more than the tolerance.
+    bool is_better(double cost) const { return cost * (1.0 + options_.tolerance) < best_cost_; }
 
     /// The node that a move leads to; -1 if something is in the way or its cell is known to be reached more cheaply.
     int follow(const OpenEntry& entry) {
@@ -173,7 +176,7 @@ private:
         reeds_shepp::for_each_word(relative(node.pose, target_), radius_, [&](const Word& word) {
             const double cost = options_.cost.word(word, radius_, node.motion(), time_);
             cheapest = std::min(cheapest, cost);
-            if (node.cost + cost < best_cost_ && keeps_gears(node, word)) words_.push_back({node.cost + cost, word});
+            if (is_better(node.cost + cost) && keeps_gears(node, word)) words_.push_back({node.cost + cost, word});
         });
         node.estimate = std::max(node.estimate, cheapest);
         if (should_connect(node.estimate)) connect(index);
@@ -197,12 +200,12 @@ private:
         const std::size_t first = from.slack > open_space * checker_.horizon() ? half : 0;
         for (std::size_t i = first; i < first + half; ++i) {
             const std::optional<Node> node = after(from, moves_[i], false);
-            if (!node || node->cost >= best_cost_) continue;
+            if (!node) continue;
             if (from.parent < 0 && gears_.first != 0 && node->gear != gears_.first) continue;
             const double way = explores_ ? 0.0 : grid.lower_bound({node->pose.x, node->pose.y});
             if (!std::isfinite(way)) continue;
             const double left = std::max(way, from.estimate - (node->cost - from.cost));
-            open_.push({node->cost + weight_ * left, index, static_cast<int>(i)});
+            if (is_better(node->cost + left)) open_.push({node->cost + weight_ * left, index, static_cast<int>(i)});
         }
     }
 

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 HALF_WINDOW = 0.075
 """Steering is averaged over this much of the path to either side, in wheelbases. Measured: see docs/search.md."""
 _CRAWL = 1e-3
+_SHORTEST = 1e-9
 
 
 def lift_rolling(path: Path, start: Array, goal_steering: float, vehicle: SingleTrack) -> Trajectory:
@@ -38,52 +39,49 @@ def lift_rolling(path: Path, start: Array, goal_steering: float, vehicle: Single
     Returns:
         Knots at the path's poses.
     """
-    turns = np.diff(path.poses[:, 2])
-    chords = np.hypot(*np.diff(path.poses[:, :2], axis=0).T)
-    ways = chords / np.sinc(turns / (2 * np.pi))
-    keep = np.r_[True, ways > 1e-9]
-    poses, gears, ways = path.poses[keep], path.gear[keep][1:].astype(float), ways[keep[1:]]
-    s = np.r_[0.0, np.cumsum(ways)]
-    wanted = np.arctan(path.curvature[keep][1:] * vehicle.wheelbase)
+    steps = np.diff(path.poses, axis=0)
+    ways = np.hypot(steps[:, 0], steps[:, 1]) / np.sinc(steps[:, 2] / (2 * np.pi))
+    moves = ways > _SHORTEST
+    poses = path.poses[np.concatenate(([True], moves))]
+    gears, wanted = path.gear[1:][moves].astype(float), np.arctan(path.curvature[1:][moves] * vehicle.wheelbase)
+    s = np.concatenate(([0.0], np.cumsum(ways[moves])))
     first = wanted[0] if np.isnan(start[4]) else float(start[4])
     last = goal_steering if np.isfinite(goal_steering) else wanted[-1]
     delta = _averaged(s, wanted, first, last, min(HALF_WINDOW * vehicle.wheelbase, s[-1] / 2))
     delta = np.clip(delta, -vehicle.limits.steering, vehicle.limits.steering)
-    stops = np.r_[True, np.diff(gears) != 0, True]
-    durations, v = _timed(s, gears, np.diff(delta), stops, vehicle)
+    durations, v = _timed(s, gears, np.abs(np.diff(delta)), vehicle)
     states = np.column_stack([poses, v, delta])
-    inputs = np.column_stack([np.diff(v), np.diff(delta)]) / durations[:, None]
+    inputs = np.diff(states[:, 3:], axis=0) / durations[:, None]
     low, high = vehicle.input_bounds
-    t = np.r_[0.0, np.cumsum(durations)]
+    t = np.concatenate(([0.0], np.cumsum(durations)))
     return Trajectory(t, states, np.clip(inputs, low, high), vehicle.state_names, vehicle.input_names)
 
 
 def _averaged(s: Array, wanted: Array, first: float, last: float, half: float) -> Array:
     """The mean of the piecewise constant ``wanted`` (N,) over ``s`` +- ``half``, led to ``first`` and ``last``."""
-    edges = np.r_[-half, s, s[-1] + half]
-    integral = np.r_[0.0, np.cumsum(np.r_[first, wanted, last] * np.diff(edges))]
+    edges = np.concatenate(([-half], s, [s[-1] + half]))
+    values = np.concatenate(([first], wanted, [last]))
+    integral = np.concatenate(([0.0], np.cumsum(values * np.diff(edges))))
     mean = (np.interp(s + half, edges, integral) - np.interp(s - half, edges, integral)) / (2 * half)
-    from_first = np.clip(1 - s / half, 0, 1)
-    from_last = np.clip(1 - (s[-1] - s) / half, 0, 1)
+    from_first = np.maximum(1 - s / half, 0.0)
+    from_last = np.maximum(1 - (s[-1] - s) / half, 0.0)
     return np.asarray(mean + (first - mean[0]) * from_first + (last - mean[-1]) * from_last)
 
 
-def _timed(
-    s: Array, gears: Array, swings: Array, stops: NDArray[np.bool_], vehicle: SingleTrack
-) -> tuple[Array, Array]:
-    """Durations of the intervals (N,) and signed speeds at the knots (N+1,)."""
+def _timed(s: Array, gears: Array, swings: Array, vehicle: SingleTrack) -> tuple[Array, Array]:
+    """Durations of the intervals (N,), in which the wheels swing by so many rad, and signed speeds at the knots."""
     limits = vehicle.limits
     rate = min(limits.acceleration[1], -limits.acceleration[0])
-    at = s[stops]
-    after = np.clip(np.searchsorted(at, s, side="right"), 1, at.size - 1)
-    room = np.minimum(s - at[after - 1], at[after] - s)
+    changes = np.flatnonzero(np.diff(gears)) + 1
+    stops = np.concatenate(([0], changes, [s.size - 1]))
+    room = np.abs(s[:, None] - s[stops]).min(axis=1)
     top = np.where(gears > 0, limits.speed[1], -limits.speed[0])
-    ramp = np.sqrt(2 * rate * np.maximum(room, 0.0))
-    mean = np.minimum(top, (ramp[1:] + ramp[:-1]) / 2)
+    ramp = np.sqrt(2 * rate * room)
     ways = np.diff(s)
-    steered = limits.steering_rate * ways / np.maximum(np.abs(swings), 1e-12)
-    mean = np.maximum(np.minimum(mean, steered), _CRAWL * top)
-    durations = np.maximum(ways / mean, np.abs(swings) / limits.steering_rate)
+    mean = np.minimum(top, (ramp[1:] + ramp[:-1]) / 2)
+    mean = np.minimum(mean, limits.steering_rate * ways / np.maximum(swings, 1e-12))
+    mean = np.maximum(mean, _CRAWL * top)
+    durations = np.maximum(ways / mean, swings / limits.steering_rate)
     v = np.zeros(s.size)
     v[1:-1] = gears[1:] * np.minimum(mean[1:], mean[:-1])
     v[stops] = 0.0
