@@ -10,7 +10,6 @@ import argparse
 import json
 import multiprocessing
 import os
-import subprocess
 import sys
 from collections import Counter
 from concurrent.futures import TimeoutError as HungError
@@ -62,15 +61,6 @@ def _lost(seed: int, index: int, outcome: str, reason: str) -> dict[str, Any]:
     return {**random_scene(seed, index).facts(), "outcome": outcome, "reason": reason, "judged": []}
 
 
-def _commit() -> dict[str, str]:
-    """The repository's commit, if the program runs in one."""
-    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
-    try:
-        return {"commit": subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()}
-    except (OSError, subprocess.CalledProcessError):
-        return {}
-
-
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="Plan random scenes and replay every plan.")
     parser.add_argument("--scenes", type=int, default=500, metavar="N")
@@ -96,7 +86,7 @@ def main() -> int:
     sys.stderr.write(f"seed {options.seed}, scenes {options.first} to {options.first + options.scenes - 1}\n")
     rows = campaign(options, rows_file)
     summary = summarise(list(rows.values()))
-    where = {**machine(), **_commit(), "jobs": options.jobs, "seed": options.seed, "time limit": f"{options.limit:g} s"}
+    where = {**machine(), "jobs": options.jobs, "seed": options.seed, "time limit": f"{options.limit:g} s"}
     report = as_markdown(summary, where)
     sys.stdout.write(report)
     content = json.dumps({"machine": where, "summary": summary}, indent=2) + "\n"
