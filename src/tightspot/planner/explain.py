@@ -28,7 +28,7 @@ from tightspot.planner.sentences import (
 )
 from tightspot.planner.solver_stop import solver_stop
 from tightspot.scenarios import Blocked, Scenario
-from tightspot.scenarios.bottleneck import bottleneck
+from tightspot.scenarios.bottleneck import Bottleneck, bottleneck
 from tightspot.search import SearchResult
 from tightspot.solvers import SolveStatus
 from tightspot.trajectory import Trajectory
@@ -134,9 +134,10 @@ def explain_no_guess(
 
 def explain_rounds(request: Request, rounds: list[Round], tell: ProgressCallback, seconds: float | None) -> Explanation:
     """Why no round was certified; arguments as for :func:`explain_no_guess`."""
-    if rounds[-1].certificate is not None:
+    narrow = bottleneck(request.scenario, request.vehicle, request.margin)
+    if rounds[-1].certificate is not None and narrow is None:
         return _not_certified(request, rounds, tell, seconds)
-    return _not_solved(request, rounds, tell, seconds)
+    return _not_solved(request, rounds, narrow, tell, seconds)
 
 
 def _not_certified(request: Request, rounds: list[Round], tell: ProgressCallback, seconds: float | None) -> Explanation:
@@ -162,10 +163,12 @@ def _not_certified(request: Request, rounds: list[Round], tell: ProgressCallback
     )
 
 
-def _not_solved(request: Request, rounds: list[Round], tell: ProgressCallback, seconds: float | None) -> Explanation:
+def _not_solved(
+    request: Request, rounds: list[Round], narrow: Bottleneck | None, tell: ProgressCallback, seconds: float | None
+) -> Explanation:
+    """Why the last round was not solved, or why its solution cannot be any good if there is no way at all."""
     last = rounds[-1]
     stop = solver_stop(request, rounds)
-    narrow = bottleneck(request.scenario, request.vehicle, request.margin)
     least, deeper = None, None
     starts = colliding_starts(request, last.trajectory)
     reports = [report for outcome in rounds for report in (outcome.report, *outcome.abandoned)]

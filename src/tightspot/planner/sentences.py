@@ -115,7 +115,7 @@ def penetration_words(
         found += f"{-near.depth:.3f} m of obstacle {where}"
         least = math.floor(-1000 * near.depth) / 1000
         remedy = f"Ask for a margin of {least:g} m or less, or make room at obstacle {name!r}"
-    found += f". {stop.status.sentence}"
+    found += "." if stop.status.success else f". {stop.status.sentence}"
     if stop.status in _AFTER_STATUS:
         remedy = f"{_AFTER_STATUS[stop.status]}; or {remedy[0].lower()}{remedy[1:]}"
     if narrow is not None:
