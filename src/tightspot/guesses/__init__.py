@@ -1,7 +1,9 @@
 """Initial guesses: rough timed trajectories from which the solver starts. One file a member."""
 
 from tightspot.errors import InputError, Problem
+from tightspot.guesses.assorted import assorted, bent_versions
 from tightspot.guesses.base import Guess, GuessResult
+from tightspot.guesses.bent import bent
 from tightspot.guesses.collision_free import CollisionFreeModel
 from tightspot.guesses.given_path import GivenPath
 from tightspot.guesses.hybrid_astar import HybridAStar
@@ -45,6 +47,9 @@ __all__ = [
     "LinearInterpolation",
     "ReedsShepp",
     "SimplifiedModel",
+    "assorted",
+    "bent",
+    "bent_versions",
     "guess",
     "lift_arcs",
     "lift_rolling",

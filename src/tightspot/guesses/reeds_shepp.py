@@ -10,8 +10,13 @@ from tightspot.errors import InputError, Problem
 from tightspot.guesses.base import Guess, GuessResult, as_single_track, known
 from tightspot.guesses.lifting import Lift, checked_lift, lift_path
 from tightspot.scenarios.scenario import Scenario
-from tightspot.search import ReedsSheppPath, all_paths
+from tightspot.search import ReedsSheppPath, all_paths, blocked_shares
 from tightspot.vehicles.base import VehicleModel
+from tightspot.vehicles.single_track import SingleTrack
+
+SPACING = 0.25
+MOST_BLOCKED = 0.3
+"""A word that is blocked on more of its way seldom leads anywhere."""
 
 
 @dataclass(frozen=True)
@@ -52,17 +57,52 @@ class ReedsShepp(Guess):
 
     def make(self, scenario: Scenario, vehicle: VehicleModel, *, margin: float) -> GuessResult:
         car = as_single_track(vehicle, self.name)
-        start, goal = known(scenario.start)[:3], known(scenario.goal)[:3]
-        words = sorted(all_paths(start, goal, car.min_turning_radius / self.curvature_factor), key=self._cost)
+        words = self._words(scenario, car)
         if self.rank >= len(words):
             return GuessResult(None, f"There are only {len(words)} Reeds-Shepp words from start to goal.")
-        word = words[self.rank]
+        return self._result(words[self.rank], len(words), scenario, car, "obstacles were not looked at")
+
+    def least_blocked(
+        self, scenario: Scenario, vehicle: VehicleModel, count: int, *, margin: float, most: float = MOST_BLOCKED
+    ) -> list[GuessResult]:
+        """The words on whose way least stands: up to ``count``, the least blocked first, of equals the cheapest.
+
+        Every word comes with its mirror images in gear and in side, as far as these join start and goal, too.
+
+        Args:
+            scenario: The scene, in its own (recentred) coordinates.
+            vehicle: A single-track vehicle.
+            count: Most guesses wanted.
+            margin: Clearance that a pose needs to be free, m.
+            most: Words of whose poses a larger share is blocked are left out.
+
+        Raises:
+            InputError: If the vehicle is not of the single-track model.
+        """
+        car = as_single_track(vehicle, self.name)
+        words = self._words(scenario, car)
+        obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+        paths = [word.sample(SPACING) for word in words]
+        shares = blocked_shares(scenario.workspace, obstacles, car, paths, margin)
+        order = sorted((index for index in range(len(words)) if shares[index] <= most), key=lambda index: shares[index])
+        return [
+            self._result(
+                words[index], len(words), scenario, car, f"{100 * shares[index]:.0f} % of its poses are blocked"
+            )
+            for index in order[:count]
+        ]
+
+    def _words(self, scenario: Scenario, car: SingleTrack) -> list[ReedsSheppPath]:
+        start, goal = known(scenario.start)[:3], known(scenario.goal)[:3]
+        return sorted(all_paths(start, goal, car.min_turning_radius / self.curvature_factor), key=self._cost)
+
+    def _result(self, word: ReedsSheppPath, words: int, scenario: Scenario, car: SingleTrack, note: str) -> GuessResult:
         path = word.sample()
         reason = (
             f"Reeds-Shepp word {word.word or 'of no length'}, {word.length:.1f} m long with {path.gear_changes} gear "
-            "changes; obstacles were not looked at."
+            f"changes; {note}."
         )
-        report = {"word": word.word, "words": len(words), "path_length": word.length, "gear_changes": path.gear_changes}
+        report = {"word": word.word, "words": words, "path_length": word.length, "gear_changes": path.gear_changes}
         return GuessResult(lift_path(path, scenario, car, self.lift), reason, report, word)
 
     def _cost(self, word: ReedsSheppPath) -> float:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tightspot.formulations import Formulation
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
-from tightspot.solvers import Iteration, IterationCallback, Solver, SolveReport, StageReport, Stagewise
+from tightspot.solvers import Iteration, IterationCallback, Solver, SolveReport, StageProblem, StageReport, Stagewise
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import (
     Settings,
@@ -151,8 +151,18 @@ class Round:
         }
 
 
-def run_round(request: Request, step: Step, number: int, progress: ProgressCallback, seconds: float) -> Round:
-    """Transcribe onto the mesh, solve from the start within ``seconds``, replay and judge."""
+def run_round(
+    request: Request,
+    step: Step,
+    number: int,
+    progress: ProgressCallback,
+    seconds: float,
+    solved: StageReport | None = None,
+) -> Round:
+    """Transcribe onto the mesh, solve from the start within ``seconds``, replay and judge.
+
+    With ``solved``, the answer to :func:`problem_of` the step, nothing is left to solve.
+    """
     started = time.perf_counter()
     mesh = step.mesh
     pairs = int(mesh.active.sum())
@@ -167,36 +177,45 @@ def run_round(request: Request, step: Step, number: int, progress: ProgressCallb
     def watch(iteration: Iteration) -> None:
         progress(Progress("solve", f"iteration {iteration.number}", number, iteration))
 
-    reports: list[SolveReport] = []
-    for solver in (request.solver, *request.fallbacks):
+    reports: list[SolveReport] = [] if solved is None else [solved]
+    for solver in () if solved is not None else (request.solver, *request.fallbacks):
         if isinstance(solver, Stagewise) and not fits_stages(request.vehicle, mesh.formulation):
             continue
         limited = solver.with_time_limit(seconds - (time.perf_counter() - started))
-        reports.append(_solved(request, step, settings, limited, program, watch))
+        reports.append(_solved(request, step, limited, program, watch))
         if reports[-1].status.success:
             break
     best = min(reports, key=lambda report: (not report.status.success, report.violation > FEASIBLE))
     abandoned = tuple(report for report in reports if report is not best)
     solve = sum(report.timings.get("solve", 0.0) for report in reports)
-    timings = {"set_up": time.perf_counter() - started - solve, "solve": solve}
+    timings = {"set_up": time.perf_counter() - started - (solve if solved is None else 0.0), "solve": solve}
     return _judged(request, step, program, best, abandoned, number, progress, timings)
+
+
+def problem_of(request: Request, step: Step) -> StageProblem:
+    """What the stagewise solver is given for a step, with closed-form lines.
+
+    Raises:
+        InputError: The stagewise solver does not know the vehicle's model or the formulation.
+    """
+    mesh = step.mesh
+    arguments = request.scenario, request.vehicle, step.start, _settings(request, mesh)
+    return stage_problem(*arguments, grid=mesh.grid, active=mesh.active, walls=mesh.walls)
 
 
 def _solved(
     request: Request,
     step: Step,
-    settings: Settings,
     solver: Solver,
     program: Callable[[], Transcription],
     watch: IterationCallback,
 ) -> SolveReport:
     """By the stagewise solver from arrays, by others from the nonlinear program, each with what can be carried over."""
-    mesh, before = step.mesh, step.before
+    before = step.before
     if not isinstance(solver, Stagewise):
         warm = carry_over(before.transcription, before.report, program()) if before else None
         return solver.solve(program().nlp, warm=warm, callback=watch)
-    arguments = request.scenario, request.vehicle, step.start, settings
-    problem = stage_problem(*arguments, grid=mesh.grid, active=mesh.active, walls=mesh.walls)
+    problem = problem_of(request, step)
     if before is None or not isinstance(before.report, StageReport):
         return solver.solve_stages(problem, callback=watch)
     problem = carry_lines(before.mesh.grid, before.report, problem)

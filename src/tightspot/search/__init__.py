@@ -1,5 +1,6 @@
 """Paths without times: Reeds-Shepp curves and hybrid A* over the compiled core."""
 
+from tightspot.search.blocked import blocked_shares
 from tightspot.search.hybrid_astar import Car, search
 from tightspot.search.options import Direction, EndGears, HybridAStarOptions
 from tightspot.search.path import Path
@@ -24,6 +25,7 @@ __all__ = [
     "SearchStatus",
     "Segment",
     "all_paths",
+    "blocked_shares",
     "search",
     "shortest_path",
 ]
