@@ -12,6 +12,7 @@ from tightspot.solvers import Iteration
 
 NEWS = [
     Progress("guess", "initial guess by hybrid-astar"),
+    Progress("guess", "initial guess by hybrid-astar"),
     Progress("solve", "30 intervals [bold]", 0),
     Progress("solve", "iteration 0", 0, Iteration(0, 12.5, 3e-2)),
     Progress("solve", "iteration 1", 0, Iteration(1, 11.25, 1e-7)),
@@ -28,7 +29,7 @@ def tell(*, terminal: bool, quiet: bool = False) -> str:
     return stream.getvalue()
 
 
-def test_in_a_pipe_one_line_a_phase():
+def test_in_a_pipe_one_line_a_phase_however_often_it_is_told():
     lines = tell(terminal=False).splitlines()
     assert [line.split("] ", 1)[1] for line in lines] == [
         "guess: initial guess by hybrid-astar",

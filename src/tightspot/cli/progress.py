@@ -57,6 +57,8 @@ class ProgressView(AbstractContextManager["ProgressView"]):
             self._status.update(f"{escape(self._phase)}: {self._news}, {values}")
 
     def _begin_phase(self, phase: str) -> None:
+        if phase == self._phase and not self._news:
+            return
         if self._status:
             self._finish_phase()
             self._status.update(escape(phase))
