@@ -31,6 +31,8 @@ def assorted(
     *,
     margin: float | None = None,
     threads: int = 1,
+    seconds: float = math.inf,
+    first: GuessResult | None = None,
 ) -> list[GuessResult]:
     """Up to ``count`` guesses, the cheapest searched one first; the same arguments give the same guesses.
 
@@ -46,6 +48,8 @@ def assorted(
         seed: Of what is drawn at random; 0 or more.
         margin: Clearance demanded, m; the scenario's by default.
         threads: Searches at a time.
+        seconds: For the searches; the answer depends on the machine if that is too little.
+        first: What :class:`HybridAStar` found for the scene, if that is known.
 
     Returns:
         Guesses; ``report["variant"]`` says how each was made. If there is no path and no word, one result without a
@@ -58,7 +62,10 @@ def assorted(
     if not (count >= 1 and count == int(count)):
         raise InputError(Problem("count", f"{count} must be a whole number, 1 or more"))
     margin = scenario.margin if margin is None else margin
-    searched = variants(scenario, car, math.ceil(SEARCHED * count), seed, margin=margin, threads=threads)
+    searched = variants(
+        scenario, car, math.ceil(SEARCHED * count), seed, margin=margin, threads=threads, tries=1, seconds=seconds,
+        first=first,
+    )  # fmt: skip
     words = [
         replace(word, report=word.report | {"variant": f"Reeds-Shepp {word.report['word']}"})
         for word in ReedsShepp().least_blocked(scenario, car, int(WORDS * count), margin=margin)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+import math
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
 from tightspot.geometry import ConvexPolygon
+from tightspot.guesses.ahead import in_order
 from tightspot.guesses.base import GuessResult, as_single_track, known
 from tightspot.guesses.hybrid_astar import HybridAStar, report_of
 from tightspot.guesses.lifting import Lift, checked_lift, lift_path
@@ -29,7 +30,7 @@ MORE_EXPANSIONS = 1000
 EXTRA_EXPANSIONS = 100
 SECONDS = 1.0
 """For each variant's search: it may be hasty, and it gives up early, for what takes long is seldom worth it."""
-_TRIES = 3
+TRIES = 3
 _GHOST = 0.1
 _SAME = 0.25
 _FRACTIONS = np.linspace(0.0, 1.0, 33)
@@ -96,6 +97,9 @@ def variants(
     margin: float | None = None,
     lift: Lift = "rolling",
     threads: int = 1,
+    tries: int = TRIES,
+    seconds: float = math.inf,
+    first: GuessResult | None = None,
 ) -> list[GuessResult]:
     """Up to ``count`` guesses by hybrid A*, no two alike, the cheapest path first.
 
@@ -113,6 +117,9 @@ def variants(
         margin: Clearance demanded, m; the scenario's by default. As with :class:`HybridAStar`, somewhat more is sought.
         lift: How the paths are given times.
         threads: Searches at a time; they do not hold Python's lock.
+        tries: Random searches for each guess wanted, before the count is given up.
+        seconds: After so long no further result is waited for: what is found then depends on the machine.
+        first: What :class:`HybridAStar` found for the scene, if that is known.
 
     Returns:
         Guesses; ``report["variant"]`` says which search found each, ``report["cost"]`` its path's cost by the default
@@ -126,7 +133,8 @@ def variants(
     _check(count, threads)
     rng = generator(seed)
     margin = scenario.margin if margin is None else margin
-    first = HybridAStar(lift=lift).make(scenario, car, margin=margin)
+    until = time.perf_counter() + seconds
+    first = first or HybridAStar(lift=lift).make(scenario, car, margin=margin)
     found: SearchResult = first.details
     if found.path is None:
         return [first]
@@ -141,8 +149,8 @@ def variants(
     task = _Task(scenario, car, [polygon for _, polygon in scenario.obstacle_parts], options, lift)
     width = min(np.ptp(np.vstack([part.polygon.vertices for part in car.parts]), axis=0))
     courses = [_Course("default", found, found.path)]
-    for course in _run(task, _trials(found.path, car, rng, _TRIES * count), threads):
-        if len(courses) >= count:
+    for course in in_order(task.run, _trials(found.path, car, rng, tries * count), threads):
+        if len(courses) >= count or time.perf_counter() > until:
             break
         if course and not any(alike(course.path, other.path, _SAME * width) for other in courses):
             courses.append(course)
@@ -179,7 +187,7 @@ def _trials(path: Path, car: SingleTrack, rng: np.random.Generator, most: int) -
     """All that may be tried, drawn beforehand: later ones do not depend on what earlier ones find."""
     for name, changes in _PRICES.items():
         yield _Trial(name, changes)
-    for number in range(most):
+    for number in range(int(most)):
         ghosts = _ghosts(path, car, rng) if number % 2 == 0 else ()
         yield _Trial(f"random {number}" + (", past a ghost" if ghosts else ""), drawn(rng), ghosts)
 
@@ -194,21 +202,6 @@ def _ghosts(path: Path, car: SingleTrack, rng: np.random.Generator) -> tuple[Con
     x, y = at[rng.choice(np.flatnonzero(is_away))]
     half = _GHOST * car.min_turning_radius / 2
     return (ConvexPolygon.rectangle(x - half, x + half, y - half, y + half),)
-
-
-def _run(task: _Task, trials: Iterable[_Trial], threads: int) -> Iterator[_Course | None]:
-    """What comes of the trials, in their order; with several threads some are searched ahead."""
-    if threads == 1:
-        yield from map(task.run, trials)
-        return
-    with ThreadPoolExecutor(threads) as pool:
-        ahead: deque[Future[_Course | None]] = deque()
-        for trial in trials:
-            ahead.append(pool.submit(task.run, trial))
-            if len(ahead) > threads:
-                yield ahead.popleft().result()
-        while ahead:
-            yield ahead.popleft().result()
 
 
 def _gears(path: Path) -> Array:

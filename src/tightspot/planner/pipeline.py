@@ -13,6 +13,7 @@ import numpy as np
 from tightspot.errors import BlockedError, InputError, PlanningError, Problem
 from tightspot.formulations import Formulation
 from tightspot.guesses import Guess
+from tightspot.planner.best import run_best
 from tightspot.planner.explain import SECONDS, explain_blocked, explain_no_guess, explain_rounds
 from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.mesh import gear_changes, path_length
@@ -97,7 +98,11 @@ def plan(
         car = resolve_vehicle(scene, vehicle)
         error.explanation = explain_blocked(error, scene, car, resolved, tell, seconds)
         raise
-    tried = run_portfolio(request, chosen, tell, started + time_limit, seed)
+    deadline = started + time_limit
+    if chosen == "best":
+        tried = run_best(request, tell, deadline, seed)
+    else:
+        tried = run_portfolio(request, chosen, tell, deadline)
     course = tried[-1]
     report = _report(request, tried, time.perf_counter() - started)
     last = course.rounds[-1] if course.rounds else None

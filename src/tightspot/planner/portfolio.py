@@ -13,8 +13,6 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-import numpy as np
-
 from tightspot.errors import TightspotError
 from tightspot.guesses import Guess, GuessResult, HybridAStar, LinearInterpolation
 from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
@@ -25,12 +23,11 @@ from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
 from tightspot.scenarios.bottleneck import is_closed
 from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, SearchResult
-from tightspot.solvers import Stagewise
+from tightspot.solvers import SolveReport, StageReport, Stagewise
 
 Effort = Literal["fast", "balanced", "best"]
 EFFORTS: tuple[Effort, ...] = ("fast", "balanced", "best")
 
-RANDOM = 24
 SEARCH_SECONDS = 5.0
 PATIENCE = 60_000
 FALLBACK_SECONDS = 20.0
@@ -57,6 +54,7 @@ class Course:
         rounds: From it; empty if there is no guess.
         guess_seconds: Time for the guess.
         seconds: Time for all.
+        solved: Of a guess that was solved at the knots and not followed further: how that ended.
     """
 
     member: Member
@@ -64,6 +62,7 @@ class Course:
     rounds: list[Round]
     guess_seconds: float
     seconds: float
+    solved: SolveReport | None = None
 
     @property
     def certified(self) -> bool:
@@ -77,13 +76,14 @@ class Course:
 
     def to_dict(self, request: Request) -> dict[str, Any]:
         """One line of the report's list of what was tried."""
-        last = self.rounds[-1] if self.rounds else None
+        first, last = (self.rounds[0].report, self.rounds[-1].report) if self.rounds else (self.solved, self.solved)
         return {
             "guess": self.member.name,
             "certified": self.certified,
             "objective": self.objective(request) if self.certified else None,
+            "objective_first": first.objective if first and first.status.success else None,
             "rounds": len(self.rounds),
-            "status": last.report.status.name if last else "NO_GUESS",
+            "status": last.status.name if last else "NO_GUESS",
             "reason": self.found.reason,
             "seconds": self.seconds,
         }
@@ -112,28 +112,6 @@ def members_of(request: Request) -> list[Member]:
     return [chosen, finer, *searches, Member("linear", LinearInterpolation())]
 
 
-def random_members(request: Request, count: int, seed: int) -> list[Member]:
-    """More searches: what gear changes, reverse, steering and room cost is drawn at random, as are the intervals."""
-    if request.guess != HybridAStar():
-        return []
-    rng = np.random.default_rng(seed)
-    members = []
-    for index in range(count):
-        extra = float(rng.choice((0.0, 0.02, 0.05, 0.1, 0.2)))
-        options = {
-            "margins": tuple(dict.fromkeys((request.margin + extra, request.margin, request.margin / 2))),
-            "directions": (Direction.TIGHT_END, Direction.WIDE_END)[:: int(rng.choice((1, -1)))],
-            "curvature_factor": float(rng.uniform(0.6, 1.0)),
-            "gear_change": float(np.exp(rng.uniform(np.log(0.3), np.log(15.0)))),
-            "reverse": float(rng.choice((1.0, 1.0, 1.5, 3.0))),
-            "steering": float(rng.uniform(0.0, 0.5)),
-            "steering_change": float(rng.uniform(0.0, 1.0)),
-        }
-        finer = float(np.exp(rng.uniform(np.log(0.7), np.log(1.8))))
-        members.append(Member(f"hybrid-astar, random {seed}.{index}", _search(request, **options), finer))
-    return members
-
-
 def _search(request: Request, **options: Any) -> HybridAStar:
     margins = (*(request.margin + more for more in MORE_THAN_MARGIN), request.margin / 2)
     common: dict[str, Any] = {"margins": tuple(dict.fromkeys(margins)), "resolutions": (COARSE, MEDIUM, FINE)}
@@ -141,9 +119,17 @@ def _search(request: Request, **options: Any) -> HybridAStar:
 
 
 def run_course(
-    request: Request, member: Member, tell: ProgressCallback, deadline: float, found: GuessResult | None = None
+    request: Request,
+    member: Member,
+    tell: ProgressCallback,
+    deadline: float,
+    found: GuessResult | None = None,
+    solved: StageReport | None = None,
 ) -> Course:
-    """The member's guess, if it is not given, then rounds until one is certified or nothing is left to try."""
+    """The member's guess, if it is not given, then rounds until one is certified or nothing is left to try.
+
+    The first step from a given guess may have been ``solved`` already.
+    """
     started = time.perf_counter()
     if found is None:
         tell(Progress("guess", f"initial guess by {member.name}"))
@@ -154,32 +140,34 @@ def run_course(
         if member.finer != 1.0:
             steps = int(member.finer * (request.steps or steps_for(found.trajectory)))
             request = replace(request, steps=steps)
-        rounds = run_rounds(request, found.trajectory, tell, deadline)
+        rounds = run_rounds(request, found.trajectory, tell, deadline, solved)
     return Course(member, found, rounds, guessed, time.perf_counter() - started)
 
 
-def run_portfolio(
-    request: Request, effort: Effort, tell: ProgressCallback, deadline: float, seed: int = 0
-) -> list[Course]:
+def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, deadline: float) -> list[Course]:
     """Courses in the order tried; the last one is the answer: a certified one if there is any.
 
-    ``fast``: the first member with all solvers. ``balanced``: the first member with the first solver, then the others
-    on all cores until one is certified, then the first once more with the fall-back solvers. ``best``: all members and
-    ``RANDOM`` random ones on all cores; the certified one with the smallest J.
+    ``fast``: the first member with all solvers. Otherwise the first member with the first solver, then the others on
+    all cores until one is certified, then the first once more with the fall-back solvers.
     """
     members = members_of(request)
     if effort == "fast":
         return [run_course(request, members[0], tell, deadline)]
-    quick = replace(request, fallbacks=()) if request.fallbacks else request
-    tried: list[Course] = []
-    if effort == "balanced":
-        tried = [run_course(quick, members[0], tell, deadline)]
-        if tried[0].certified or _hopeless(request, tried[0]):
-            return tried
-        members = members[1:]
-    else:
-        members += random_members(request, RANDOM, seed)
-    tried += _on_all_cores(quick, members, tell, deadline, stop_at_first=effort == "balanced")
+    quick = without_fallbacks(request)
+    tried = [run_course(quick, members[0], tell, deadline)]
+    if tried[0].certified or is_hopeless(request, tried[0]):
+        return tried
+    tried += on_all_cores(quick, members[1:], tell, deadline, stop_at_first=True)
+    return conclude(request, tried, tell, deadline)
+
+
+def without_fallbacks(request: Request) -> Request:
+    """The same, with the first solver only."""
+    return replace(request, fallbacks=()) if request.fallbacks else request
+
+
+def conclude(request: Request, tried: list[Course], tell: ProgressCallback, deadline: float) -> list[Course]:
+    """The certified course with the smallest J to the end; without one, the first guess with the fall-back solvers."""
     good = [course for course in tried if course.certified]
     if good:
         best = min(good, key=lambda course: course.objective(request))
@@ -189,13 +177,11 @@ def run_portfolio(
         slow = replace(request, solver=request.fallbacks[0], fallbacks=request.fallbacks[1:])
         member = replace(first.member, name=f"{first.member.name}, {slow.solver.name}")
         until = min(deadline, time.perf_counter() + FALLBACK_SECONDS)
-        tried.append(run_course(slow, member, tell, until, first.found))
-    else:
-        tried.sort(key=lambda course: bool(course.rounds))
-    return tried
+        return [*tried, run_course(slow, member, tell, until, first.found)]
+    return sorted(tried, key=lambda course: bool(course.rounds))
 
 
-def _hopeless(request: Request, course: Course) -> bool:
+def is_hopeless(request: Request, course: Course) -> bool:
     """It is proved that there is no way, whatever the guess."""
     result = course.found.details
     if isinstance(result, SearchResult) and result.path is None and result.is_proof:
@@ -203,30 +189,36 @@ def _hopeless(request: Request, course: Course) -> bool:
     return is_closed(request.scenario, request.vehicle, request.margin)
 
 
-def _on_all_cores(
+def on_all_cores(
     request: Request, members: Sequence[Member], tell: ProgressCallback, deadline: float, *, stop_at_first: bool
 ) -> list[Course]:
     """Courses as they end. The search and the stagewise solver run beside each other, other solvers do not."""
-    cores = min(os.cpu_count() or 1, len(members)) if isinstance(request.solver, Stagewise) else 1
+    cores = min(cores_for(request), len(members))
     done: list[Course] = []
     waiting = list(members)
     if cores == 1:
         while waiting and time.perf_counter() < deadline and not (stop_at_first and _any_certified(done)):
-            done += _attempt(request, waiting.pop(0), tell, deadline)
+            course = attempt(request, waiting.pop(0), tell, deadline)
+            done += [course] if course else []
         return done
-    running: set[Future[list[Course]]] = set()
+    running: set[Future[Course | None]] = set()
     with ThreadPoolExecutor(cores) as pool:
         while waiting or running:
             while waiting and len(running) < cores and time.perf_counter() < deadline:
-                running.add(pool.submit(_attempt, request, waiting.pop(0), _quietly, deadline))
+                running.add(pool.submit(attempt, request, waiting.pop(0), _quietly, deadline))
             if not running:
                 break
             ended, running = wait(running, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
-            done += [course for future in ended for course in future.result()]
+            done += [course for future in ended if (course := future.result())]
             tell(Progress("guess", f"{len(done)} of {len(members)} other ways tried"))
             if stop_at_first and _any_certified(done):
                 waiting = []
     return done
+
+
+def cores_for(request: Request) -> int:
+    """How many courses may run beside each other: only the stagewise solver lets go of Python's lock."""
+    return os.cpu_count() or 1 if isinstance(request.solver, Stagewise) else 1
 
 
 def _any_certified(courses: Sequence[Course]) -> bool:
@@ -237,9 +229,16 @@ def _quietly(news: Progress) -> None:
     """Progress of courses that run beside each other is not told: it would be a medley."""
 
 
-def _attempt(request: Request, member: Member, tell: ProgressCallback, deadline: float) -> list[Course]:
-    """The member's course; nothing if its guess cannot be made for this vehicle."""
+def attempt(
+    request: Request,
+    member: Member,
+    tell: ProgressCallback,
+    deadline: float,
+    found: GuessResult | None = None,
+    solved: StageReport | None = None,
+) -> Course | None:
+    """The member's course, for ``COURSE_SECONDS`` at most; ``None`` if its guess cannot be made for this vehicle."""
     try:
-        return [run_course(request, member, tell, min(deadline, time.perf_counter() + COURSE_SECONDS))]
+        return run_course(request, member, tell, min(deadline, time.perf_counter() + COURSE_SECONDS), found, solved)
     except TightspotError:
-        return []
+        return None
