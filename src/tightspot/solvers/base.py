@@ -77,6 +77,7 @@ class SolveReport:
         worst: What the most violated row is about.
         timings: Seconds: ``build`` (symbolic set-up), ``solve``, ``functions`` (inside solve).
         backend_status: The backend's own word.
+        note: What else there is to tell, for example why functions were not compiled; usually empty.
     """
 
     status: SolveStatus
@@ -92,6 +93,7 @@ class SolveReport:
     worst: str
     timings: dict[str, float] = field(default_factory=dict)
     backend_status: str = ""
+    note: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for reports, without the vectors."""
@@ -106,6 +108,7 @@ class SolveReport:
             "worst_constraint": self.worst,
             "timings": self.timings,
             "backend_status": self.backend_status,
+            **({"note": self.note} if self.note else {}),
         }
 
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from tightspot.errors import InputError, Problem
 from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.built import built
+from tightspot.solvers.compiled import library, write_functions
+from tightspot.solvers.functions import text_of
 from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
 from tightspot.solvers.watcher import Watcher
@@ -38,10 +42,15 @@ class Ipopt(Solver):
 
     The barrier strategy is adaptive in never-monotone mode: the best options found for this family of problems.
 
+    A built solver is kept for the next program of the same symbols (see :mod:`tightspot.solvers.built`).
+
     Attributes:
         tolerance: IPOPT's ``tol``.
         max_iterations: Limit.
-        time_limit: Wall-clock limit of one solve, s.
+        time_limit: Wall-clock limit of one solve, s; looked at after each iteration.
+        compiled: Evaluate the functions in machine code that the user's C compiler makes of them, kept in the user's
+            cache (see :mod:`tightspot.solvers.compiled`). Making it takes 10 to 100 s, once for a structure. Without
+            a compiler they are evaluated by CasADi as usual, and the report's ``note`` says so.
         options: Further IPOPT options, by IPOPT's names; they override ours.
     """
 
@@ -49,6 +58,7 @@ class Ipopt(Solver):
     tolerance: float = 1e-8
     max_iterations: int = 1000
     time_limit: float = 60.0
+    compiled: bool = False
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def with_time_limit(self, seconds: float) -> Ipopt:
@@ -59,37 +69,44 @@ class Ipopt(Solver):
     ) -> SolveReport:
         started = time.perf_counter()
         interrupts = Interrupts()
-        watcher = Watcher(nlp, callback, interrupts)
-        function = self._function(nlp, warm, watcher)
-        built = time.perf_counter()
-        arguments: dict[str, Any] = {
-            "x0": nlp.x0 if warm is None else warm.x,
-            "p": nlp.p0,
-            "lbx": nlp.lbx,
-            "ubx": nlp.ubx,
-            "lbg": nlp.lbg,
-            "ubg": nlp.ubg,
-        }
-        if warm is not None and warm.lam_x is not None and warm.lam_g is not None:
-            arguments |= {"lam_x0": warm.lam_x, "lam_g0": warm.lam_g}
-        with interrupts:
-            result = function(**arguments)
-        interrupts.deliver()
-        if watcher.raised is not None:
-            raise watcher.raised
-        timings = {"build": built - started, "solve": time.perf_counter() - built}
-        return self._report(nlp, function, result, timings)
+        options = self._ipopt_options(warm)
+        key = self.name, self.compiled, repr(sorted(options.items(), key=str))
+        with built(nlp, key, lambda: self._build(nlp, options)) as solver:
+            solver.watcher.begin(nlp, callback, interrupts, self.time_limit)
+            ready = time.perf_counter()
+            with interrupts:
+                result = solver.function(**_arguments(nlp, warm))
+            interrupts.deliver()
+            if solver.watcher.raised is not None:
+                raise solver.watcher.raised
+            timings = {"build": ready - started, "solve": time.perf_counter() - ready}
+            return self._report(nlp, solver, result, timings)
 
-    def _function(self, nlp: Nlp, warm: WarmStart | None, watcher: Watcher) -> Any:
-        options: dict[str, Any] = {
-            "ipopt": self._ipopt_options(warm),
+    def _build(self, nlp: Nlp, ipopt: Mapping[str, Any]) -> _Built:
+        watcher = Watcher(nlp)
+        options = {
+            "ipopt": dict(ipopt),
             "iteration_callback": watcher,
             "print_time": False,
             "error_on_fail": False,
             "show_eval_warnings": False,
         }
+        symbols = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
+        program: Mapping[str, Any] | Path = symbols
+        note = ""
+        if self.compiled:
+            sizes = {"variables": nlp.n_variables, "rows": nlp.n_rows}
+
+            def write_source(path: Path) -> None:
+                write_functions(ca.nlpsol("nlp", "ipopt", symbols, {"ipopt": dict(ipopt)}), path)
+
+            found = library(text_of(*symbols.values()), self.name, sizes, write_source)
+            program, note = found.path or symbols, found.note
+        return _Built(self._nlpsol(program, options), watcher, note)
+
+    def _nlpsol(self, program: Mapping[str, Any] | Path, options: Mapping[str, Any]) -> Any:
         try:
-            return ca.nlpsol("nlp", "ipopt", {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}, options)
+            return ca.nlpsol("nlp", "ipopt", str(program) if isinstance(program, Path) else program, options)
         except RuntimeError as error:
             reason = str(error).strip().splitlines()[-1].split(": ", 1)[-1]
             raise InputError(Problem("solver.options", f"IPOPT refuses the options: {reason}")) from None
@@ -100,7 +117,6 @@ class Ipopt(Solver):
             "sb": "yes",
             "tol": self.tolerance,
             "max_iter": self.max_iterations,
-            "max_wall_time": self.time_limit,
             "mu_strategy": "adaptive",
             "adaptive_mu_globalization": "never-monotone-mode",
             "bound_relax_factor": 0.0,
@@ -118,14 +134,17 @@ class Ipopt(Solver):
             }
         return options | dict(self.options)
 
-    def _report(self, nlp: Nlp, function: Any, result: Mapping[str, Any], timings: dict[str, float]) -> SolveReport:
-        stats = function.stats()
+    def _report(self, nlp: Nlp, solver: _Built, result: Mapping[str, Any], timings: dict[str, float]) -> SolveReport:
+        stats = solver.function.stats()
         x, g, lam_x, lam_g = (np.array(result[key], float).ravel() for key in ("x", "g", "lam_x", "lam_g"))
         functions = [value for key, value in stats.items() if key.startswith("t_wall_nlp_")]
         timings["functions"] = float(sum(functions))
         worst, violation = nlp.worst(x, g)
+        status = _STATUS.get(stats["return_status"], SolveStatus.FAILED)
+        if status is SolveStatus.STOPPED and solver.watcher.late:
+            status = SolveStatus.TIME_LIMIT
         return SolveReport(
-            status=_STATUS.get(stats["return_status"], SolveStatus.FAILED),
+            status=status,
             solver=self.name,
             x=x,
             objective=float(result["f"]),
@@ -134,11 +153,34 @@ class Ipopt(Solver):
             lam_g=lam_g,
             iterations=int(stats["iter_count"]),
             violation=violation,
-            stationarity=_stationarity(function, nlp, x, lam_x, lam_g),
+            stationarity=_stationarity(solver.function, nlp, x, lam_x, lam_g),
             worst=worst,
             timings=timings,
             backend_status=str(stats["return_status"]),
+            note=solver.note,
         )
+
+
+class _Built(NamedTuple):
+    """What can be kept for programs of the same symbols."""
+
+    function: Any
+    watcher: Watcher
+    note: str
+
+
+def _arguments(nlp: Nlp, warm: WarmStart | None) -> dict[str, Any]:
+    arguments: dict[str, Any] = {
+        "x0": nlp.x0 if warm is None else warm.x,
+        "p": nlp.p0,
+        "lbx": nlp.lbx,
+        "ubx": nlp.ubx,
+        "lbg": nlp.lbg,
+        "ubg": nlp.ubg,
+    }
+    if warm is not None and warm.lam_x is not None and warm.lam_g is not None:
+        arguments |= {"lam_x0": warm.lam_x, "lam_g0": warm.lam_g}
+    return arguments
 
 
 def _stationarity(function: Any, nlp: Nlp, x: Array, lam_x: Array, lam_g: Array) -> float:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
 from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.functions import lagrangian_gradient
 from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
 from tightspot.solvers.watcher import Watcher
@@ -63,7 +64,8 @@ class Sqp(Solver):
         started = time.perf_counter()
         interrupts = Interrupts()
         free = np.flatnonzero(nlp.lbx != nlp.ubx)
-        watcher = Watcher(nlp, callback, interrupts, free.size)
+        watcher = Watcher(nlp, free.size)
+        watcher.begin(nlp, callback, interrupts)
         function = self._function(nlp, free, watcher)
         built = time.perf_counter()
         arguments = _arguments(nlp, free, warm)
@@ -122,7 +124,7 @@ class Sqp(Solver):
         g, lam_g = (np.array(result[key], float).ravel() for key in ("g", "lam_g"))
         lam_x = np.zeros(x.size)
         lam_x[free] = np.array(result["lam_x"]).ravel()
-        gradient = _lagrangian_gradient(nlp, x, lam_g)
+        gradient = lagrangian_gradient(nlp, x, lam_g)
         fixed = nlp.lbx == nlp.ubx
         lam_x[fixed] = -gradient[fixed]
         timings["functions"] = float(sum(value for key, value in stats.items() if key.startswith("t_wall_")))
@@ -195,11 +197,3 @@ def _arguments(nlp: Nlp, free: NDArray[np.intp], warm: WarmStart | None) -> dict
     if warm is not None and warm.lam_x is not None and warm.lam_g is not None:
         arguments |= {"lam_x0": warm.lam_x[free], "lam_g0": warm.lam_g}
     return arguments
-
-
-def _lagrangian_gradient(nlp: Nlp, x: Array, lam_g: Array) -> Array:
-    """``grad f + J^T lam_g`` at x, (n,); without the bounds' multipliers."""
-    multipliers = ca.SX.sym("lam", nlp.n_rows)
-    lagrangian = nlp.f + (ca.dot(multipliers, nlp.g) if nlp.n_rows else 0)
-    function = ca.Function("gradient", [nlp.x, nlp.p, multipliers], [ca.gradient(lagrangian, nlp.x)])
-    return np.array(function(x, nlp.p0, lam_g), float).ravel()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import casadi as ca
@@ -13,25 +14,36 @@ from tightspot.solvers.nlp import Nlp
 
 
 class Watcher(ca.Callback):
-    """Passes progress on, stops at Ctrl-C, keeps exceptions for after the solve.
+    """Passes progress on, stops at Ctrl-C and when the time is up, keeps exceptions for after the solve.
+
+    One watcher belongs to one built solver; :meth:`begin` comes before each solve.
 
     Attributes:
         raised: What the callback or the interrupt raised, to be raised again outside the compiled code.
         stopped: True once it has told the backend to stop.
+        late: True if that was because the time was up.
     """
 
-    def __init__(
-        self, nlp: Nlp, callback: IterationCallback | None, interrupts: Interrupts, n_variables: int | None = None
-    ) -> None:
+    def __init__(self, nlp: Nlp, n_variables: int | None = None) -> None:
         super().__init__()
         self._nlp = nlp
-        self._callback = callback
-        self._interrupts = interrupts
+        self._callback: IterationCallback | None = None
+        self._interrupts = Interrupts()
+        self._deadline = np.inf
         self._n_variables = nlp.n_variables if n_variables is None else n_variables
         self._count = 0
         self.raised: BaseException | None = None
-        self.stopped = False
+        self.stopped = self.late = False
         self.construct("watcher", {})
+
+    def begin(
+        self, nlp: Nlp, callback: IterationCallback | None, interrupts: Interrupts, seconds: float = np.inf
+    ) -> None:
+        """Watch a solve of ``nlp``, which has the watcher's symbols, for at most ``seconds``."""
+        self._nlp, self._callback, self._interrupts = nlp, callback, interrupts
+        self._deadline = time.perf_counter() + seconds
+        self._count, self.raised = 0, None
+        self.stopped = self.late = False
 
     def get_n_in(self) -> int:
         return int(ca.nlpsol_n_out())
@@ -56,6 +68,8 @@ class Watcher(ca.Callback):
             stop = self._interrupts.pending or self._report(arguments) is False or self._interrupts.pending
         except BaseException as error:
             self.raised, stop = error, True
+        if not stop and time.perf_counter() > self._deadline:
+            self.late = stop = True
         self.stopped = self.stopped or stop
         return [1.0 if stop else 0.0]
 

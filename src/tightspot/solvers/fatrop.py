@@ -1,0 +1,245 @@
+"""fatrop: an interior-point method that exploits the stages, from CasADi's wheel, for models that are not compiled in.
+
+It has no time limit and cannot be interrupted. So it runs in a process of its own, which is stopped when the time is
+up, at Ctrl-C, or when the callback says so; a crash or a hang there is a status here.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from tightspot.errors import InputError, Problem
+from tightspot.solvers.base import (
+    Array,
+    Iteration,
+    IterationCallback,
+    Solver,
+    SolveReport,
+    SolveStatus,
+    WarmStart,
+)
+from tightspot.solvers.built import built
+from tightspot.solvers.compiled import library, write_functions
+from tightspot.solvers.functions import lagrangian_gradient, text_of, values
+from tightspot.solvers.interrupts import Interrupts
+from tightspot.solvers.nlp import Nlp
+from tightspot.solvers.processes import ENDED, Worker, worker
+from tightspot.solvers.stage_form import StageForm, stage_form
+
+SCRIPT = Path(__file__).with_name("fatrop_worker.py")
+POLL_SECONDS = 0.05
+LOOSEST_STATIONARITY = 1e-4
+"""Of the Lagrangian's gradient, relative to the multipliers, at a point that is called solved."""
+
+
+@dataclass(frozen=True)
+class Fatrop(Solver):
+    """Primal-dual interior-point method with a stagewise factorisation.
+
+    It takes any :class:`Nlp` whose rows couple neighbouring stages only. Use formulations without null directions:
+    from the lines with a unit normal it converges, with a normal of free length and with the duals mostly not.
+
+    Attributes:
+        tolerance: fatrop's ``tol``.
+        max_iterations: Limit.
+        time_limit: Wall-clock limit of one solve, building included, s.
+        compiled: As in :class:`tightspot.solvers.Ipopt`.
+        options: Further fatrop options, by fatrop's names; they override ours.
+
+    Reference: L. Vanroye, A. Sathya, J. De Schutter, W. Decre, FATROP: a fast constrained optimal control problem
+    solver for robot trajectory optimization and control, IROS 2023.
+    """
+
+    name: ClassVar[str] = "fatrop"
+    tolerance: float = 1e-8
+    max_iterations: int = 500
+    time_limit: float = 60.0
+    compiled: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def with_time_limit(self, seconds: float) -> Fatrop:
+        return replace(self, time_limit=min(self.time_limit, max(seconds, 0.1)))
+
+    def solve(
+        self, nlp: Nlp, *, warm: WarmStart | None = None, callback: IterationCallback | None = None
+    ) -> SolveReport:
+        """As all backends do; of ``warm`` only the point is used.
+
+        Raises:
+            InputError: Rows or terms of the objective couple stages that are not neighbours, or fatrop refuses an
+                option.
+            KeyboardInterrupt: If the user interrupts.
+        """
+        started = time.perf_counter()
+        start = nlp.x0 if warm is None else warm.x
+        with built(nlp, (self.name, self.compiled), lambda: self._program(nlp)) as program:
+            ready = time.perf_counter()
+            outcome = self._outcome(nlp, program, start, callback, started + self.time_limit)
+            timings = {"build": ready - started + outcome.build, "solve": outcome.solve, "functions": outcome.functions}
+            return self._report(nlp, program, start, outcome, timings)
+
+    def _program(self, nlp: Nlp) -> _Program:
+        form = stage_form(nlp)
+        text, path, note = text_of(form.x, nlp.p, form.f, form.g), None, ""
+        if self.compiled:
+            sizes = {"variables": form.x.numel(), "rows": form.g.numel()}
+
+            def write_source(path: Path) -> None:
+                symbols = {"x": form.x, "p": nlp.p, "f": form.f, "g": form.g}
+                write_functions(ca.nlpsol("nlp", "fatrop", symbols, _structure(form)), path)
+
+            found = library(text, self.name, sizes, write_source)
+            path, note = found.path, found.note
+        key = hashlib.sha256(f"{path} {text}".encode()).hexdigest()
+        return _Program(form, text, None if path is None else str(path), key, note)
+
+    def _outcome(
+        self, nlp: Nlp, program: _Program, start: Array, callback: IterationCallback | None, deadline: float
+    ) -> _Outcome:
+        """Put the task to a process and listen until it is done, late, broken or stopped."""
+        form, interrupts = program.form, Interrupts()
+        bounds = form.bounds(nlp)
+        fatrop = {"print_level": 10, "tol": self.tolerance, "max_iter": self.max_iterations} | dict(self.options)
+        options = {**_structure(form), "equality": (bounds["lbg"] == bounds["ubg"]).tolist(), "fatrop": fatrop}
+        task = {
+            "key": f"{program.key} {options}",
+            "options": options,
+            "arguments": {"x0": start[form.variables], "p": nlp.p0, **bounds},
+        }
+        outcome = None
+        try:
+            with interrupts, worker(SCRIPT) as process:
+                process.send("solve", task)
+                outcome = _listen(process, program, callback, interrupts, deadline)
+        except OSError as error:
+            return _Outcome(SolveStatus.FAILED, word=f"its process cannot be started ({error.strerror or error})")
+        interrupts.deliver()
+        return outcome
+
+    def _report(
+        self, nlp: Nlp, program: _Program, start: Array, outcome: _Outcome, timings: dict[str, float]
+    ) -> SolveReport:
+        x, lam_x, lam_g = start, np.zeros(nlp.n_variables), np.zeros(nlp.n_rows)
+        if outcome.answer is not None:
+            x, lam_x, lam_g = program.form.solution(nlp, *(outcome.answer[name] for name in ("x", "lam_x", "lam_g")))
+        objective, g = values(nlp, x)
+        worst, violation = nlp.worst(x, g)
+        gradient = lagrangian_gradient(nlp, x, lam_g) + lam_x
+        stationarity = float(np.abs(gradient).max(initial=0.0) / max(1.0, np.abs(lam_g).max(initial=0.0)))
+        status = outcome.status or self._status(outcome.answer or {}, objective, violation, stationarity)
+        return SolveReport(
+            status=status,
+            solver=self.name,
+            x=x,
+            objective=objective,
+            g=g,
+            lam_x=lam_x,
+            lam_g=lam_g,
+            iterations=int(outcome.answer["iterations"]) if outcome.answer else outcome.iterations,
+            violation=violation,
+            stationarity=stationarity,
+            worst=worst,
+            timings=timings,
+            backend_status=outcome.word,
+            note=program.note,
+        )
+
+    def _status(
+        self, answer: Mapping[str, Any], objective: float, violation: float, stationarity: float
+    ) -> SolveStatus:
+        """fatrop says success or not; success is believed if the point, looked at from outside, is a solution."""
+        if answer["success"]:
+            right = violation <= 100 * self.tolerance and stationarity <= LOOSEST_STATIONARITY
+            return SolveStatus.SOLVED if right and np.isfinite(objective) else SolveStatus.NUMERICAL
+        if answer["iterations"] >= dict(self.options).get("max_iter", self.max_iterations):
+            return SolveStatus.ITERATION_LIMIT
+        if not (np.isfinite(objective) and np.isfinite(violation) and np.isfinite(stationarity)):
+            return SolveStatus.NUMERICAL
+        return SolveStatus.FAILED
+
+
+class _Program(NamedTuple):
+    """What is kept for programs of the same symbols."""
+
+    form: StageForm
+    text: str
+    library: str | None
+    key: str
+    note: str
+
+
+class _Outcome(NamedTuple):
+    """How a task ended: a status, or an answer that is still to be looked at."""
+
+    status: SolveStatus | None
+    answer: dict[str, Any] | None = None
+    word: str = ""
+    iterations: int = 0
+    build: float = 0.0
+    solve: float = 0.0
+
+    @property
+    def functions(self) -> float:
+        """Seconds spent in the program's functions."""
+        return float(self.answer["functions"]) if self.answer else 0.0
+
+
+def _listen(
+    process: Worker, program: _Program, callback: IterationCallback | None, interrupts: Interrupts, deadline: float
+) -> _Outcome:
+    """What comes of the task; the process is killed unless it has answered."""
+    started = time.perf_counter()
+    build, iterations = None, 0
+
+    def ended(status: SolveStatus | None, word: str, answer: dict[str, Any] | None = None) -> _Outcome:
+        if answer is None:
+            process.kill()
+        seconds = time.perf_counter() - started
+        solve = answer["seconds"] if answer else seconds - (build or seconds)
+        return _Outcome(status, answer, word, iterations, max(0.0, seconds - solve), solve)
+
+    while True:
+        message = process.receive(POLL_SECONDS)
+        if interrupts.pending:
+            return ended(SolveStatus.STOPPED, "interrupted")
+        word: str
+        content: Any
+        word, content = message or ("", None)
+        if word == "program?":
+            process.send("program", {"text": program.text, "library": program.library})
+        elif word == "built":
+            build = time.perf_counter() - started
+        elif word == "iteration":
+            iterations = content[0]
+            if callback is not None and callback(Iteration(*content)) is False:
+                return ended(SolveStatus.STOPPED, "stopped by the callback")
+        elif word == "done":
+            return ended(None, f"return flag {content['flag']}", content)
+        elif word == "refused":
+            raise InputError(Problem("solver.options", f"fatrop refuses: {content.split(': ', 1)[-1]}"))
+        elif word == ENDED:
+            return ended(SolveStatus.NUMERICAL, f"its process was {content}")
+        if time.perf_counter() > deadline:
+            return ended(SolveStatus.TIME_LIMIT, "its process was stopped when the time was up")
+
+
+def _structure(form: StageForm) -> dict[str, Any]:
+    """CasADi's options: what the stages are."""
+    return {
+        "structure_detection": "manual",
+        "N": len(form.nx) - 1,
+        "nx": list(form.nx),
+        "nu": list(form.nu),
+        "ng": list(form.ng),
+        "print_time": False,
+        "error_on_fail": False,
+        "show_eval_warnings": False,
+    }

@@ -1,0 +1,39 @@
+"""Functions of a program that backends share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.solvers.built import built
+from tightspot.solvers.nlp import Nlp
+
+Array = NDArray[np.float64]
+
+
+def text_of(*symbols: Any) -> str:
+    """A program's symbols (x, p, f, g) written down: the same text for the same computation."""
+    x, p, f, g = symbols
+    return str(ca.Function("nlp", [x, p], [f, g]).serialize())
+
+
+def values(nlp: Nlp, x: Array) -> tuple[float, Array]:
+    """Objective and rows at x."""
+    with built(nlp, "values", lambda: ca.Function("values", [nlp.x, nlp.p], [nlp.f, nlp.g])) as function:
+        f, g = function(x, nlp.p0)
+    return float(f), np.array(g, float).ravel()
+
+
+def lagrangian_gradient(nlp: Nlp, x: Array, lam_g: Array) -> Array:
+    """``grad f + J^T lam_g`` at x, (n,); without the bounds' multipliers."""
+
+    def build() -> Any:
+        multipliers = ca.SX.sym("lam", nlp.n_rows)
+        lagrangian = nlp.f + (ca.dot(multipliers, nlp.g) if nlp.n_rows else 0)
+        return ca.Function("gradient", [nlp.x, nlp.p, multipliers], [ca.gradient(lagrangian, nlp.x)])
+
+    with built(nlp, "gradient", build) as function:
+        return np.array(function(x, nlp.p0, lam_g), float).ravel()
