@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tightspot.errors import SceneError
@@ -127,6 +127,11 @@ def test_junk_as_a_drawing(outcome, value):
 
 @settings(max_examples=100)
 @given(place=st.sampled_from(_places(MAP)[1:]), value=junk)
+@example(place=("tightspot", "start", "x"), value=9e307)
+@example(place=("tightspot", "goal", "y"), value=-1.7e308)
+@example(place=("origin", 0), value=9e307)
+@example(place=("origin", 2), value=1.7e308)
+@example(place=("resolution",), value=1e-320)
 def test_junk_anywhere_in_a_map_file(outcome, place, value):
     outcome("hostile.yaml", yaml.safe_dump(changed(MAP, place, value)))
 

@@ -55,7 +55,8 @@ _SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
 def _box(ring: Array) -> shapely.Geometry:
-    return shapely.minimum_rotated_rectangle(shapely.MultiPoint(ring - ring[0]))
+    local = np.round(ring - ring[0], 12)  # GEOS divides by what is less than a double's smallest normal number
+    return shapely.minimum_rotated_rectangle(shapely.MultiPoint(local))
 
 
 def _edges(box: shapely.Polygon) -> Array:

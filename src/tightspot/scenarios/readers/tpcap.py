@@ -146,7 +146,7 @@ def _counts(path: Path, values: Array) -> list[int]:
     odd = [
         Problem(path.name, f"{count:g} is not a number of vertices (value {8 + i})")
         for i, count in enumerate(counts)
-        if count != np.round(count) or count < 1
+        if count != np.round(count) or not 1 <= count <= MAX_VERTICES
     ]
     if odd:
         raise SceneError(shortened(odd))

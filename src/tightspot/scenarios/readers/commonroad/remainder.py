@@ -22,6 +22,7 @@ from tightspot.scenarios.readers.commonroad import elements
 from tightspot.scenarios.readers.commonroad.lanelets import read_lanelet
 from tightspot.scenarios.readers.commonroad.obstacles import Block
 from tightspot.scenarios.readers.commonroad.xml_tree import Node
+from tightspot.scenarios.schema import LARGEST_COORDINATE
 
 Array = NDArray[np.float64]
 
@@ -145,4 +146,6 @@ def _together(blocks: Sequence[Block], origin: Array) -> shapely.Geometry:
 
 
 def _same_area(one: shapely.Geometry, other: shapely.Geometry) -> bool:
+    if not (np.abs([one.bounds, other.bounds]) <= LARGEST_COORDINATE).all():  # nor is what is empty: its bounds are NaN
+        return False
     return bool(shapely.symmetric_difference(one, other).area <= _SAME_AREA * one.area)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tightspot.errors import SceneError
 from tightspot.geometry import transform
 from tightspot.scenarios.readers.commonroad.xml_tree import Node
+from tightspot.scenarios.schema import LARGEST_COORDINATE
 
 Array = NDArray[np.float64]
 
@@ -73,17 +74,17 @@ def circle_around(centre: Array, radius: float, tolerance: float = CIRCLE_TOLERA
 
 def rectangle(node: Node) -> tuple[Array, float]:
     """A rectangle's corners, counter-clockwise from its rear right, m, (4, 2), and its orientation, rad."""
-    half_length, half_width = (node.child(name).positive() / 2 for name in ("length", "width"))
+    half_length, half_width = (_size(node.child(name)) / 2 for name in ("length", "width"))
     turned, shifted = node.find("orientation"), node.find("originXShift")
     orientation = turned.angle() if turned else 0.0
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_length, half_width]
-    corners[:, 0] -= shifted.number() if shifted else 0.0
+    corners[:, 0] -= _coordinate(shifted) if shifted else 0.0
     return placed(corners, np.array([*centre_of(node), orientation])), orientation
 
 
 def circle(node: Node) -> tuple[Array, float]:
     """A circle's centre, m, (2,), and radius, m."""
-    return centre_of(node), node.child("radius").positive()
+    return centre_of(node), _size(node.child("radius"))
 
 
 def polygon(node: Node, name: str = "point") -> Array:
@@ -93,7 +94,20 @@ def polygon(node: Node, name: str = "point") -> Array:
 
 def point(node: Node) -> tuple[float, float]:
     """x and y of a point, m; a height is not used."""
-    return node.child("x").number(), node.child("y").number()
+    return _coordinate(node.child("x")), _coordinate(node.child("y"))
+
+
+def _coordinate(node: Node) -> float:
+    """The text as a number of metres; raises :class:`SceneError` for what is no place on earth, nor in arithmetic."""
+    value = node.number()
+    if abs(value) > LARGEST_COORDINATE:
+        raise node.refuse(f"{value:g} m is more than {LARGEST_COORDINATE:g} m; are these metres?")
+    return value
+
+
+def _size(node: Node) -> float:
+    node.positive()
+    return _coordinate(node)
 
 
 def centre_of(node: Node) -> Array:

@@ -23,6 +23,7 @@ from tightspot.scenarios.readers.occupancy.outlines import count_sides, outlines
 from tightspot.scenarios.readers.occupancy.pictures import read_picture
 from tightspot.scenarios.readers.source import Source
 from tightspot.scenarios.scenario import Scenario
+from tightspot.scenarios.schema import LARGEST_COORDINATE
 
 Array = NDArray[np.float64]
 
@@ -110,9 +111,9 @@ def _cropped(mask: Mask, frame: Frame, scene: Mapping[str, Any]) -> tuple[Mask, 
         return mask, frame
     rows, columns = mask.shape
     reach = MOST_ROOM / frame.resolution
-    cells = frame.cells(ends)
-    if not np.isfinite(cells).all():
+    if not (np.abs(ends) <= LARGEST_COORDINATE).all():  # refused later, with all else that is wrong; NaN too
         return mask, frame
+    cells = frame.cells(ends)
     low = np.clip(np.floor(cells.min(axis=0) - reach), 0, (columns - 1, rows - 1)).astype(int)
     high = np.clip(np.ceil(cells.max(axis=0) + reach), low + 1, (columns, rows)).astype(int)
     part = mask[low[1] : high[1], low[0] : high[0]]
