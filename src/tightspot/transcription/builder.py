@@ -1,8 +1,9 @@
-"""Assembles the nonlinear program stage by stage."""
+"""Assembles the symbols of the nonlinear program, stage by stage. Its numbers come from :mod:`.numbers`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -10,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.formulations.base import Pair, Pose, at_most
-from tightspot.geometry.polygon import ConvexPolygon
-from tightspot.solvers.nlp import Nlp, RowBlock, Stage, concatenate
-from tightspot.trajectory import Trajectory
+from tightspot.solvers.nlp import RowBlock, Stage, concatenate
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.integrators import rk4
 from tightspot.vehicles.base import BodyPart, VehicleModel
@@ -23,27 +22,48 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Builder:
-    """Collects variables, rows, bounds and starting values in stage order. Used once."""
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """All that the symbols depend on beyond vehicle, settings and grid.
 
-    def __init__(
-        self,
-        vehicle: VehicleModel,
-        workspace: ConvexPolygon,
-        obstacles: Sequence[ConvexPolygon],
-        settings: Settings,
-        grid: TimeGrid,
-        active: NDArray[np.bool_],
-        walls: NDArray[np.bool_],
-        names: Sequence[str],
-    ) -> None:
-        self.names = names
-        self.vehicle, self.workspace, self.obstacles = vehicle, workspace, obstacles
-        self.settings, self.grid, self.active, self.walls = settings, grid, active, walls
+    Attributes:
+        obstacles: Number of vertices of each obstacle part.
+        walls_pattern: True where the half-planes of W have an entry other than 0, (edges, 2).
+        active: Pairs in the program, (N, parts, obstacle parts).
+        walls: Half-planes of W in the program, (N, parts, edges).
+        fixed_poses: Whether the poses at the start and at the goal are given.
+    """
+
+    obstacles: tuple[int, ...]
+    walls_pattern: NDArray[np.bool_]
+    active: NDArray[np.bool_]
+    walls: NDArray[np.bool_]
+    fixed_poses: tuple[bool, bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Symbols:
+    """A program without its numbers and names: what an :class:`~tightspot.solvers.Nlp` of the same fields says, and
+    the places of the pairs' auxiliary variables by (interval, part, obstacle part)."""
+
+    x: Any
+    p: Any
+    f: Any
+    g: Any
+    lbg: Array
+    ubg: Array
+    stages: tuple[Stage, ...]
+    blocks: tuple[RowBlock, ...]
+    shared: slice
+    lines: Mapping[tuple[int, int, int], slice]
+
+
+class Builder:
+    """Collects variables and rows in stage order. Used once."""
+
+    def __init__(self, vehicle: VehicleModel, settings: Settings, grid: TimeGrid, shape: Shape) -> None:
+        self.vehicle, self.settings, self.grid, self.shape = vehicle, settings, grid, shape
         self.x: list[Any] = []
-        self.lbx: list[Array] = []
-        self.ubx: list[Array] = []
-        self.x0: list[Array] = []
         self.g: list[Any] = []
         self.lbg: list[Array] = []
         self.ubg: list[Array] = []
@@ -56,8 +76,7 @@ class Builder:
         self.lines: dict[tuple[int, int, int], slice] = {}
 
     def _parameters(self) -> None:
-        """Numbers that may change without rebuilding: weights, margins, obstacles."""
-        objective, settings = self.settings.objective, self.settings
+        """Numbers that may change without rebuilding: weights, margins, obstacles, W."""
         self.time_weight = ca.SX.sym("r")
         self.weights = ca.SX.sym("P", self.vehicle.n_inputs)
         self.margin, self.end_margin, self.workspace_margin = (
@@ -66,14 +85,8 @@ class Builder:
         self.penalty_weight = ca.SX.sym("penalty_weight")
         self.p = [self.time_weight, self.weights, self.margin, self.end_margin, self.workspace_margin]
         self.p.append(self.penalty_weight)
-        end = settings.margin if settings.end_margin is None else settings.end_margin
-        margins = [settings.margin, end, settings.workspace_margin]
-        self.p0: list[Array] = [
-            np.array([objective.time_weight, *objective.input_weights, *margins, settings.penalty_weight])
-        ]
         self.obstacle_symbols = []
-        for index, polygon in enumerate(self.obstacles):
-            count = len(polygon.vertices)
+        for index, count in enumerate(self.shape.obstacles):
             symbols = (
                 ca.SX.sym(f"O{index}", count, 2),
                 ca.SX.sym(f"A{index}", count, 2),
@@ -81,61 +94,46 @@ class Builder:
             )
             self.obstacle_symbols.append(symbols)
             self.p += [ca.vec(symbol) for symbol in symbols]
-            self.p0 += [polygon.vertices.ravel("F"), polygon.A.ravel("F"), polygon.b]
+        pattern = ca.sparsify(ca.DM(self.shape.walls_pattern.astype(float))).sparsity()
+        entries = ca.SX.sym("E", pattern.nnz())
+        self.wall_normals, self.wall_offsets = ca.SX(pattern, entries), ca.SX.sym("f", len(self.shape.walls_pattern))
+        self.p += [entries, self.wall_offsets]
 
-    def build(self, start: Array, goal: Array, guess: Trajectory) -> Nlp:
-        """The program from start (n_x,) to goal (n_x,), NaN meaning free, started at the guess on the grid."""
+    def build(self) -> Symbols:
+        """The program's symbols."""
         steps, settings = self.grid.steps, self.settings
-        low, high = self._state_bounds()
         states: list[Any] = []
         inputs: list[Any] = []
         stages: list[Stage] = []
-        fixed_poses = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
         for k in range(steps + 1):
-            fixed = start if k == 0 else goal if k == steps else np.full(low.size, np.nan)
-            lower, upper = np.where(np.isnan(fixed), low, fixed), np.where(np.isnan(fixed), high, fixed)
-            state, state_slice = self._variables(f"xi{k}", lower, upper, guess.states[k])
+            state, state_slice = self._variables(f"xi{k}", self.vehicle.n_states)
             states.append(state)
             control_slice = slice(self.n, self.n)
             if k < steps:
-                control, control_slice = self._variables(f"u{k}", *self.vehicle.input_bounds, guess.inputs[k])
+                control, control_slice = self._variables(f"u{k}", self.vehicle.n_inputs)
                 inputs.append(control)
             first_row = self.m
             driven = self._driven(k, states, inputs) if k > 0 else []
-            auxiliary = self._path_rows(k, states, inputs, driven, guess, fixed_poses)
+            auxiliary = self._path_rows(k, states, inputs, driven)
             path, first_row = slice(first_row, self.m), self.m
             if k > 0:
                 self._dynamics(k, driven[-1], states[k])
                 stages[-1] = _with_dynamics(stages[-1], slice(first_row, self.m))
             stages.append(Stage(k, state_slice, control_slice, auxiliary, slice(self.m, self.m), path))
-        low_time, high_time = settings.final_time_bounds
         shared = slice(self.n, self.n + 1)
-        self._append(self.final_time, np.array([low_time]), np.array([high_time]), np.array([guess.duration]))
+        self.x.append(self.final_time)
         f = settings.objective.expression(inputs, self.final_time, self.grid, self.time_weight, self.weights)
         f += self.penalty_weight * self.penalty
-        return Nlp(
-            ca.vertcat(*self.x), ca.vertcat(*self.p), f, ca.vertcat(*self.g),
-            concatenate(self.lbx), concatenate(self.ubx), concatenate(self.lbg), concatenate(self.ubg),
-            concatenate(self.x0), concatenate(self.p0), tuple(stages), tuple(self.blocks), shared,
+        return Symbols(
+            ca.vertcat(*self.x), ca.vertcat(*self.p), f, ca.vertcat(*self.g), concatenate(self.lbg),
+            concatenate(self.ubg), tuple(stages), tuple(self.blocks), shared, self.lines,
         )  # fmt: skip
 
-    def _state_bounds(self) -> tuple[Array, Array]:
-        low, high = (bound.copy() for bound in self.vehicle.state_bounds)
-        limit = self.settings.heading_limit
-        low[2], high[2] = max(low[2], -limit), min(high[2], limit)
-        return low, high
-
-    def _append(self, symbol: Any, lower: Array, upper: Array, start: Array) -> None:
+    def _variables(self, name: str, count: int) -> tuple[Any, slice]:
+        symbol = ca.SX.sym(name, count)
+        place = slice(self.n, self.n + count)
         self.x.append(symbol)
-        self.lbx.append(lower)
-        self.ubx.append(upper)
-        self.x0.append(np.clip(start, lower, upper))
-        self.n += lower.size
-
-    def _variables(self, name: str, lower: Array, upper: Array, start: Array) -> tuple[Any, slice]:
-        symbol = ca.SX.sym(name, lower.size)
-        place = slice(self.n, self.n + lower.size)
-        self._append(symbol, lower, upper, start)
+        self.n += count
         return symbol, place
 
     def _rows(
@@ -168,28 +166,20 @@ class Builder:
         zero = np.zeros(self.vehicle.n_states)
         self._rows(after - state, zero, zero, "dynamics", k)
 
-    def _path_rows(
-        self,
-        k: int,
-        states: list[Any],
-        inputs: list[Any],
-        driven: list[Any],
-        guess: Trajectory,
-        fixed_poses: tuple[bool, bool],
-    ) -> slice:
+    def _path_rows(self, k: int, states: list[Any], inputs: list[Any], driven: list[Any]) -> slice:
         """W and separation rows that hold at knot k or on the interval that ends there; none at the start."""
         first = self.n
         if k > 0:
             knots_only = self.settings.formulation.holds == "knots"
             samples = [states[k]] if knots_only else [states[k - 1], *driven[:-1], states[k]]
             fixed = [False] * len(samples)
-            fixed[0] = fixed_poses[0] and k == 1 and len(samples) > 1
-            fixed[-1] = fixed_poses[1] and k == self.grid.steps
+            fixed[0] = self.shape.fixed_poses[0] and k == 1 and len(samples) > 1
+            fixed[-1] = self.shape.fixed_poses[1] and k == self.grid.steps
             covers = [self._cover(k, part, states, inputs) for part in self.vehicle.parts]
             for part_index in range(len(self.vehicle.parts)):
                 self._workspace_rows(k, part_index, samples, fixed, covers[part_index])
-                for obstacle_index in np.flatnonzero(self.active[k - 1, part_index]):
-                    self._separation_rows(k, part_index, int(obstacle_index), samples, fixed, covers[part_index], guess)
+                for obstacle_index in np.flatnonzero(self.shape.active[k - 1, part_index]):
+                    self._separation_rows(k, part_index, int(obstacle_index), samples, fixed, covers[part_index])
         return slice(first, self.n)
 
     def _poses(self, part: BodyPart, samples: list[Any]) -> tuple[Pose, ...]:
@@ -213,10 +203,11 @@ class Builder:
 
         With a cover the rows stand at both ends of the interval: the cover is the interval's own.
         """
-        part, walls = self.vehicle.parts[part_index], self.walls[k - 1, part_index]
+        part, walls = self.vehicle.parts[part_index], self.shape.walls[k - 1, part_index]
         if not walls.any():
             return
-        E, f = ca.DM(self.workspace.A[walls]), ca.DM(self.workspace.b[walls])
+        chosen = [int(edge) for edge in np.flatnonzero(walls)]
+        E, f = self.wall_normals[chosen, :], self.wall_offsets[chosen]
         demanded = self.workspace_margin + cover
         given_start = k == 1 and len(samples) > 1 and fixed[0]
         for index, (pose, state_fixed) in enumerate(zip(self._poses(part, samples), fixed, strict=True)):
@@ -235,33 +226,20 @@ class Builder:
         samples: list[Any],
         fixed: list[bool],
         cover: Any,
-        guess: Trajectory,
     ) -> None:
-        part, polygon = self.vehicle.parts[part_index], self.obstacles[obstacle_index]
+        part, corners = self.vehicle.parts[part_index], self.shape.obstacles[obstacle_index]
         formulation = self.settings.formulation
         margin = self.margin + cover
         margins = tuple(self.end_margin if end else margin for end in fixed)
         symbols = self.obstacle_symbols[obstacle_index]
         poly = part.polygon
         pair = Pair(self._poses(part, samples), poly.vertices, poly.A, poly.b, *symbols, margins)
-        lower, upper = formulation.auxiliary_bounds(len(poly.vertices), len(polygon.vertices))
-        start = formulation.start(self._guess_poses(k, part, guess), poly, polygon)[0]
-        auxiliary, place = self._variables(f"aux{k}_{part_index}_{obstacle_index}", lower, upper, start)
+        count = formulation.auxiliary_bounds(len(poly.vertices), corners)[0].size
+        auxiliary, place = self._variables(f"aux{k}_{part_index}_{obstacle_index}", count)
         self.lines[k - 1, part_index, obstacle_index] = place
         self.penalty += self.final_time * float(self.grid.widths[k - 1]) * formulation.penalty(auxiliary)
-        detail = f"{part.name} against {self.names[obstacle_index]}"
         for index, rows in enumerate(formulation.rows(auxiliary, pair)):
-            self._rows(*rows, "separation", k, detail, (part_index, obstacle_index, index))
-
-    def _guess_poses(self, k: int, part: BodyPart, guess: Trajectory) -> Array:
-        """The guess's poses of a part on interval [t_{k-1}, t_k], (1, P, 3)."""
-        if self.settings.formulation.holds == "knots":
-            states = guess.states[k : k + 1]
-        else:
-            weights = np.linspace(0.0, 1.0, self.pieces[k - 1] + 1)[:, None]
-            states = (1 - weights) * guess.states[k - 1] + weights * guess.states[k]
-        x, y, theta = self.vehicle.frames(list(states.T), np)[part.frame]
-        return np.column_stack([x, y, theta])[None]
+            self._rows(*rows, "separation", k, part.name, (part_index, obstacle_index, index))
 
 
 def _with_dynamics(stage: Stage, rows: slice) -> Stage:

@@ -17,10 +17,12 @@ from tightspot.geometry.transforms import nearest_angle
 from tightspot.scenarios.scenario import Scenario
 from tightspot.solvers.nlp import Nlp
 from tightspot.trajectory import Trajectory
-from tightspot.transcription.builder import Builder
+from tightspot.transcription.builder import Shape
 from tightspot.transcription.grid import TimeGrid
+from tightspot.transcription.numbers import with_numbers
 from tightspot.transcription.objective import Objective
 from tightspot.transcription.sampling import resample
+from tightspot.transcription.structures import symbols_for
 from tightspot.vehicles.base import VehicleModel
 
 Array = NDArray[np.float64]
@@ -145,7 +147,8 @@ def transcribe(
     Variables, stage after stage: state xi_k, input u_k, auxiliary variables of the pairs that hold at knot k (on
     interval [t_{k-1}, t_k]); last t_f. Rows: ``F(xi_k, u_k, h_k) - xi_{k+1} = 0`` with RK4; eq. (13) for W; the
     formulation's rows. Start and goal are bounds on xi_0 and xi_N; the goal's heading is the one nearest the
-    guess's, modulo 2 pi.
+    guess's, modulo 2 pi. The symbols of the last few structures are kept: for another scene of the same structure only
+    the numbers are new, and what a solver has built for the first serves the second.
 
     Args:
         scenario: Obstacles, W, start and goal, in the scenario's coordinates.
@@ -183,10 +186,16 @@ def transcribe(
     goal[2] = nearest_angle(goal[2], onto_grid.states[-1, 2])
     start[2] = nearest_angle(start[2], onto_grid.states[0, 2])
     settings = _with_usable_margins(settings)
-    names = [name for name, _ in scenario.obstacle_parts]
-    builder = Builder(vehicle, scenario.workspace, obstacles, settings, grid, active, walls, names)
-    nlp = builder.build(start, goal, onto_grid)
-    return Transcription(nlp, grid, settings, active, vehicle, builder.lines)
+    structure = Shape(
+        obstacles=tuple(len(polygon.vertices) for polygon in obstacles),
+        walls_pattern=scenario.workspace.A != 0,
+        active=active,
+        walls=walls,
+        fixed_poses=(not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any()),
+    )
+    symbols = symbols_for(vehicle, settings, grid, structure)
+    nlp = with_numbers(symbols, vehicle, scenario, settings, start, goal, onto_grid)
+    return Transcription(nlp, grid, settings, active, vehicle, symbols.lines)
 
 
 def _misfits(vehicle: VehicleModel, guess: Trajectory, settings: Settings, ends: dict[str, Array]) -> list[Problem]:
