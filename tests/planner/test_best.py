@@ -150,8 +150,8 @@ def test_optima_are_told_once_the_best_first_with_how_often_they_were_found() ->
     problems = [stage_problem(scene, car, guess.trajectory, settings, grid=grid) for guess in guesses]
     reports = Stagewise().solve_many(problems, threads=2)
     solved = [report.objective for report in reports if report.status.success]
-    assert sum(optimum.hits for optimum in optima) == len(solved)
+    assert sum(len(optimum.indices) for optimum in optima) == len(solved)
     assert values[0] == pytest.approx(min(solved), rel=3e-3)
     for optimum in optima:
-        assert optimum.guess is guesses[optimum.index]
-        assert optimum.objective == pytest.approx(reports[optimum.index].objective)
+        assert optimum.guess is guesses[optimum.indices[0]]
+        assert optimum.objective == pytest.approx(reports[optimum.indices[0]].objective)

@@ -1,5 +1,6 @@
 """Campaigns: many runs, kept row by row, and reports of what they showed."""
 
+from tightspot.campaigns.best_of import best_of
 from tightspot.campaigns.claims import Claim, claims
 from tightspot.campaigns.methods import METHODS, Method
 from tightspot.campaigns.paper import News, Outcome, Plan, run
@@ -18,6 +19,7 @@ __all__ = [
     "Plan",
     "Row",
     "RowFile",
+    "best_of",
     "claims",
     "paper_settings",
     "report_markdown",

@@ -1,6 +1,7 @@
 """The planner: ``plan()`` wires guess, transcription, solver and judge together."""
 
 from tightspot.planner.explanation import Explanation, FailureKind
+from tightspot.planner.optima import Optimum, find_optima
 from tightspot.planner.passing import Deeper, Passing
 from tightspot.planner.penetration import Contact, Penetration, minimum_penetration
 from tightspot.planner.pipeline import plan
@@ -13,6 +14,7 @@ __all__ = [
     "Deeper",
     "Explanation",
     "FailureKind",
+    "Optimum",
     "Passing",
     "Penetration",
     "Progress",
@@ -20,6 +22,7 @@ __all__ = [
     "Reach",
     "SolverStop",
     "WorstConstraint",
+    "find_optima",
     "minimum_penetration",
     "plan",
 ]

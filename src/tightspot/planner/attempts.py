@@ -22,7 +22,7 @@ from tightspot.planner.request import Request, resolve_solver
 from tightspot.scenarios.bottleneck import is_closed
 from tightspot.scenarios.remedies import fits
 from tightspot.search import COARSE, MEDIUM, HybridAStarOptions, shortest_path
-from tightspot.solvers import Stagewise
+from tightspot.solvers import Fatrop, Stagewise
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import SingleTrack
 
@@ -61,7 +61,8 @@ def reeds_shepp(request: Request, car: SingleTrack) -> Trajectory:
 
 def least_penetration(request: Request, starts: Sequence[Start], deadline: float) -> Penetration | None:
     """The shallowest of the local minima from the starts; ``None`` if no solve ended well."""
-    solvers = [solver for solver in (request.solver, *request.fallbacks) if not isinstance(solver, Stagewise)]
+    usable = (request.solver, *request.fallbacks)
+    solvers = [solver for solver in usable if not isinstance(solver, Stagewise | Fatrop)]
     solver = next(iter(solvers), resolve_solver(None))
     best: Penetration | None = None
     for start in starts:

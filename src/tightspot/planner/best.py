@@ -132,7 +132,7 @@ def _followed(
     firsts = [course.rounds[0].report for course in before if course.certified]
     known = [report for report in firsts if isinstance(report, StageReport)]
     candidates = [
-        _Candidate(members[optimum.index], optimum.guess, optimum.report, optimum.objective)
+        _Candidate(members[optimum.indices[0]], optimum.guess, optimum.report, optimum.objective)
         for optimum in distinct(guesses, reports)
         if not any(alike(optimum.report, report) for report in known)
     ]

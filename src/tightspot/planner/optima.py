@@ -24,14 +24,12 @@ class Optimum:
     Attributes:
         guess: The first guess that led to it.
         report: From that guess.
-        hits: How many of the guesses led to it.
-        index: Of that guess.
+        indices: Of all guesses that led to it, counted without those that have no trajectory.
     """
 
     guess: GuessResult
     report: StageReport
-    hits: int
-    index: int
+    indices: tuple[int, ...]
 
     @property
     def objective(self) -> float:
@@ -89,7 +87,8 @@ def distinct(guesses: Sequence[GuessResult], reports: Sequence[StageReport]) -> 
             groups.append([index])
         else:
             home.append(index)
-    return [Optimum(guesses[first], reports[first], len(group), first) for group in groups for first in (min(group),)]
+    ordered = [tuple(sorted(group)) for group in groups]
+    return [Optimum(guesses[group[0]], reports[group[0]], group) for group in ordered]
 
 
 def alike(a: StageReport, b: StageReport) -> bool:

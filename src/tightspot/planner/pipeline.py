@@ -58,7 +58,8 @@ def plan(
         objective: Default: the paper's eq. (25), r = 1, P = diag(1, 2).
         formulation: A member or its name; default: ``swept-line``.
         guess: A member or its name; default: ``hybrid-astar``.
-        solver: A backend or its name; default: ``stagewise``, and ``ipopt`` where that fails or cannot be used.
+        solver: A backend or its name; default: ``stagewise``, then ``fatrop``, then ``ipopt``, each where the one
+            before fails or cannot be used. The report's ``fell_back_from`` says which failed, and how.
         steps: Number of intervals to begin with; default: from the guess's length and gear changes.
         margin: Demanded clearance, m; default: the scenario's.
         refinements: Largest number of re-solves.

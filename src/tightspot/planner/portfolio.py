@@ -162,8 +162,8 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
 
 
 def without_fallbacks(request: Request) -> Request:
-    """The same, with the first solver only."""
-    return replace(request, fallbacks=()) if request.fallbacks else request
+    """The same with the stagewise solver only; other solvers keep their fall-backs."""
+    return replace(request, fallbacks=()) if isinstance(request.solver, Stagewise) else request
 
 
 def conclude(request: Request, tried: list[Course], tell: ProgressCallback, deadline: float) -> list[Course]:

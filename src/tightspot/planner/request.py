@@ -8,16 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from tightspot.errors import InputError, Problem
-from tightspot.formulations import Formulation, SweptLine, formulation
+from tightspot.formulations import Formulation, SweptLine, formulation, with_unit_normal
 from tightspot.guesses import Guess, HybridAStar, guess
 from tightspot.scenarios import Scenario, check, load
-from tightspot.solvers import BACKENDS, Ipopt, Solver, Stagewise
+from tightspot.solvers import BACKENDS, Fatrop, Ipopt, Solver, Stagewise
 from tightspot.transcription import Objective, fits_stages
 from tightspot.vehicles import SingleTrack, VehicleModel, from_dict, load_vehicle
 
 MOST_STEPS = 500
 LARGEST_MARGIN = 10.0
 FALLBACK_SECONDS = 25.0
+FATROP_SECONDS = 6.0
+"""It is done within one second or, as a rule, not at all; from some starts it hangs until it is stopped."""
 
 
 @dataclass(frozen=True)
@@ -112,15 +114,20 @@ def resolve_solver(solver: Solver | str | None) -> Solver:
 def solvers_for(
     solver: Solver | str | None, vehicle: VehicleModel, formulation: Formulation
 ) -> tuple[Solver, tuple[Solver, ...]]:
-    """The solver and its fall-backs: the stagewise one and IPOPT, unless one is asked for by itself.
+    """The solver and its fall-backs: the stagewise one, fatrop and IPOPT, unless one is asked for by itself.
+
+    Each only where it can be used: the stagewise solver for models that are compiled in, it and fatrop for lines.
 
     Raises:
         InputError: The stagewise solver is asked for and cannot solve this; or the name is not known.
     """
     fits = fits_stages(vehicle, formulation)
     if solver is None:
-        ipopt = resolve_solver(None)
-        return (Stagewise(), (ipopt,)) if fits else (ipopt, ())
+        chain: list[Solver] = [Stagewise()] if fits else []
+        if with_unit_normal(formulation) is not None:
+            chain.append(Fatrop(time_limit=FATROP_SECONDS))
+        first, *others = [*chain, resolve_solver(None)]
+        return first, tuple(others)
     chosen = resolve_solver(solver)
     if isinstance(chosen, Stagewise) and not fits:
         sentence = f"stagewise cannot solve {type(vehicle).__name__} with {formulation.name}"

@@ -5,16 +5,25 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.formulations import Formulation
+from tightspot.formulations import Formulation, with_unit_normal
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
-from tightspot.solvers import Iteration, IterationCallback, Solver, SolveReport, StageProblem, StageReport, Stagewise
+from tightspot.solvers import (
+    Fatrop,
+    Iteration,
+    IterationCallback,
+    Solver,
+    SolveReport,
+    StageProblem,
+    StageReport,
+    Stagewise,
+)
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import (
     Settings,
@@ -90,7 +99,8 @@ class Round:
 
     Attributes:
         step: What was solved, from where and why.
-        program: Builds the nonlinear program; solvers that take arrays do without it.
+        program: Builds the nonlinear program, for fatrop that with unit normals; solvers that take arrays do without
+            it.
         report: The solver's.
         abandoned: Reports of the solvers that failed before.
         trajectory: The replayed trajectory: the inputs integrated from the start, sampled at the knots.
@@ -168,11 +178,15 @@ def run_round(
     pairs = int(mesh.active.sum())
     progress(Progress("solve", f"{mesh.grid.steps} intervals, {pairs} pairs of parts near each other", number))
     settings = _settings(request, mesh)
-    arguments = request.scenario, request.vehicle, step.start, settings
 
     @cache
-    def program() -> Transcription:
+    def program(formulation: Formulation) -> Transcription:
+        arguments = request.scenario, request.vehicle, step.start, replace(settings, formulation=formulation)
         return transcribe(*arguments, grid=mesh.grid, active=mesh.active, walls=mesh.walls)
+
+    def program_of(solver: str) -> Callable[[], Transcription]:
+        member = with_unit_normal(mesh.formulation) if solver == Fatrop.name else None
+        return partial(program, member or mesh.formulation)
 
     def watch(iteration: Iteration) -> None:
         progress(Progress("solve", f"iteration {iteration.number}", number, iteration))
@@ -182,14 +196,14 @@ def run_round(
         if isinstance(solver, Stagewise) and not fits_stages(request.vehicle, mesh.formulation):
             continue
         limited = solver.with_time_limit(seconds - (time.perf_counter() - started))
-        reports.append(_solved(request, step, limited, program, watch))
+        reports.append(_solved(request, step, limited, program_of(solver.name), watch))
         if reports[-1].status.success:
             break
     best = min(reports, key=lambda report: (not report.status.success, report.violation > FEASIBLE))
     abandoned = tuple(report for report in reports if report is not best)
     solve = sum(report.timings.get("solve", 0.0) for report in reports)
     timings = {"set_up": time.perf_counter() - started - (solve if solved is None else 0.0), "solve": solve}
-    return _judged(request, step, program, best, abandoned, number, progress, timings)
+    return _judged(request, step, program_of(best.solver), best, abandoned, number, progress, timings)
 
 
 def problem_of(request: Request, step: Step) -> StageProblem:
