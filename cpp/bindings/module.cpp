@@ -6,12 +6,13 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "arrays.hpp"
+#include "judge.hpp"
 #include "stagewise.hpp"
 #include "tightspot/collision.hpp"
 #include "tightspot/hybrid_astar.hpp"
@@ -28,29 +29,6 @@ namespace {
 using Rows2 = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 using Rows3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Vector3 = nb::ndarray<const double, nb::shape<3>, nb::c_contig, nb::device::cpu>;
-using Table = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
-using Column = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
-
-double* hand_over(std::vector<double> values, nb::capsule& owner) {
-    auto kept = std::make_unique<std::vector<double>>(std::move(values));
-    double* data = kept->data();
-    owner = nb::capsule(kept.release(), [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-    return data;
-}
-
-Table table(std::vector<double> values, std::size_t columns) {
-    nb::capsule owner;
-    const std::size_t rows = values.size() / columns;
-    double* data = hand_over(std::move(values), owner);
-    return Table(data, {rows, columns}, owner);
-}
-
-Column column(std::vector<double> values) {
-    nb::capsule owner;
-    const std::size_t size = values.size();
-    double* data = hand_over(std::move(values), owner);
-    return Column(data, {size}, owner);
-}
 
 Pose to_pose(const Vector3& pose) { return {pose(0), pose(1), pose(2)}; }
 
@@ -248,10 +226,11 @@ void bind_search(nb::module_& m) {
 }  // namespace
 
 NB_MODULE(_core, m) {
-    m.doc() = "The compiled core of tightspot: Reeds-Shepp curves, exact collision checks, hybrid A* and the stagewise solver.";
+    m.doc() = "The compiled core of tightspot: Reeds-Shepp curves, exact collision checks, hybrid A*, the judge and the stagewise solver.";
     bind_reeds_shepp(m);
     bind_checker(m);
     bind_search(m);
+    bind_judge(m);
 #ifdef TIGHTSPOT_HAS_V3
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
         bind_stagewise_v3(m);

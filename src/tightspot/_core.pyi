@@ -65,3 +65,72 @@ def sample_arcs(start: Array, arcs: Array, spacing: float) -> Array: ...
 def search(
     checker: CollisionChecker, start: Array, goal: Array, options: SearchOptions, shortcuts: bool = True
 ) -> SearchAnswer: ...
+
+class CoverAnswer(TypedDict):
+    pair: NDArray[np.int64]
+    start: Array
+    end: Array
+    normal: Array
+    support: Array
+    proved: Array
+    holds: NDArray[np.uint8]
+    seen: Array
+    seen_at: Array
+
+class JudgeAccuracy:
+    tolerance: float
+    first_step: float
+    max_steps: float
+    largest: float
+    reserve: float
+    rounding: float
+
+class JudgeTask:
+    demand: float
+    resolution: float
+    floor: float
+    tolerance: float
+    worst: float
+    most_open: float
+
+class JudgeSingleTrackMotion:
+    def __init__(self, t: Array, start: Array, inputs: Array, parameters: Array) -> None: ...
+    def integrate(self, accuracy: JudgeAccuracy) -> bool: ...
+    def at(self, times: Array) -> Array: ...
+    @property
+    def substeps(self) -> NDArray[np.int64]: ...
+    @property
+    def nodes(self) -> Array: ...
+    @property
+    def node_states(self) -> Array: ...
+    @property
+    def position_error(self) -> float: ...
+    @property
+    def heading_error(self) -> float: ...
+
+class JudgeSingleTrackBody:
+    def __init__(
+        self,
+        motion: JudgeSingleTrackMotion,
+        vertices: Array,
+        first: NDArray[np.int64],
+        frames: NDArray[np.int64],
+        radii: Array,
+        pads: Array,
+        reserve: float,
+    ) -> None: ...
+
+class JudgeObstacles:
+    def __init__(self, vertices: Array, first: NDArray[np.int64]) -> None: ...
+
+class JudgeWalls:
+    def __init__(self, normals: Array, supports: Array) -> None: ...
+
+def judge_cover(body: JudgeSingleTrackBody, barriers: JudgeObstacles | JudgeWalls, task: JudgeTask) -> CoverAnswer: ...
+def judge_worst_moments(
+    body: JudgeSingleTrackBody,
+    barriers: JudgeObstacles | JudgeWalls,
+    pairs: NDArray[np.int64],
+    times: Array,
+    clearances: Array,
+) -> tuple[Array, Array]: ...

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.geometry import ConvexPolygon, best_line
+from tightspot.verification import compiled
 from tightspot.verification.motion import lowest, stack_padded
+
+if TYPE_CHECKING:
+    from tightspot.verification.compiled import Barriers
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -26,6 +31,11 @@ class Pairs(Protocol):
     part: Index
     barrier: Index
 
+    @property
+    def core(self) -> Barriers:
+        """The barriers in the compiled core."""
+        ...
+
     def lines(self, pair: Index, vertices: Array) -> tuple[Array, Array, Array]:
         """A good line for each pair with its body part at the vertices (B, n_V, 2).
 
@@ -41,7 +51,15 @@ class ObstaclePairs:
 
     def __init__(self, parts: int, obstacles: Sequence[ConvexPolygon]) -> None:
         self.part, self.barrier = _product(parts, len(obstacles))
-        self._O = stack_padded([polygon.vertices for polygon in obstacles]) if obstacles else np.zeros((0, 3, 2))
+        self._obstacles = obstacles
+
+    @cached_property
+    def core(self) -> Barriers:
+        return compiled.obstacles(self._obstacles)
+
+    @cached_property
+    def _O(self) -> Array:
+        return stack_padded([polygon.vertices for polygon in self._obstacles])
 
     def lines(self, pair: Index, vertices: Array) -> tuple[Array, Array, Array]:
         O = self._O[self.barrier[pair]]
@@ -54,7 +72,12 @@ class WorkspacePairs:
 
     def __init__(self, parts: int, workspace: ConvexPolygon) -> None:
         self.part, self.barrier = _product(parts, workspace.b.size)
+        self._workspace = workspace
         self._normal, self._support = -workspace.A, -workspace.b
+
+    @cached_property
+    def core(self) -> Barriers:
+        return compiled.walls(self._workspace)
 
     def lines(self, pair: Index, vertices: Array) -> tuple[Array, Array, Array]:
         normal, support = self._normal[self.barrier[pair]], self._support[self.barrier[pair]]

@@ -5,10 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from importlib import metadata
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,6 +152,25 @@ class Integration:
     heading_error: float
 
 
+class _Digest:
+    """The field ``digest``: the text, or what computes it when it is first asked for."""
+
+    @overload
+    def __get__(self, certificate: None, owner: type[Certificate]) -> str: ...
+    @overload
+    def __get__(self, certificate: Certificate, owner: type[Certificate]) -> str: ...
+    def __get__(self, certificate: Certificate | None, owner: type[Certificate]) -> str:
+        if certificate is None:  # how a dataclass asks for the default
+            return ""
+        value = certificate.__dict__["digest"]
+        if not isinstance(value, str):
+            value = certificate.__dict__["digest"] = value()
+        return str(value)
+
+    def __set__(self, certificate: Certificate, value: str | Callable[[], str]) -> None:
+        certificate.__dict__["digest"] = value
+
+
 @dataclass(frozen=True, eq=False)
 class Certificate:
     """The judge's finding. It is a certificate only if ``certified``.
@@ -168,7 +188,8 @@ class Certificate:
         integration: How the motion was replayed.
         offset: What the file's coordinates have more than the certificate's, (m, m).
         version: Of tightspot.
-        digest: SHA-256 over scenario, vehicle, trajectory and certificate, see :func:`digest`.
+        digest: SHA-256 over scenario, vehicle, trajectory and certificate, see :func:`digest`. It may be given as a
+            function that is called when it is first asked for.
     """
 
     certified: bool
@@ -182,7 +203,7 @@ class Certificate:
     integration: Integration
     offset: tuple[float, float]
     version: str
-    digest: str = ""
+    digest: _Digest = _Digest()
 
     @property
     def witness(self) -> Witness | None:
@@ -293,6 +314,7 @@ def _doubles(data: Any) -> Any:
     return float(data) + 0.0 if isinstance(data, int | float) and not isinstance(data, bool) else data
 
 
+@cache
 def package_version() -> str:
     """Version of the installed tightspot, ``0+unknown`` if it is run from a bare directory."""
     try:

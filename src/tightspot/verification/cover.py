@@ -13,12 +13,17 @@ moment instead.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.verification import compiled
 from tightspot.verification.barriers import Pairs
 from tightspot.verification.motion import Motion
+
+if TYPE_CHECKING:
+    from tightspot.verification.compiled import Body
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -45,7 +50,8 @@ class Cover:
         proved: Lower bound of the clearance on the interval, m, integration error and rounding deducted,
             shape (M,).
         holds: Whether each pair is proved to keep the demanded clearance for all times, shape (P,).
-        seen: Smallest clearance of each pair at any time looked at, m, shape (P,).
+        seen: Smallest clearance of each pair at any time looked at, m, shape (P,). Pairs that are farther apart than
+            others and than demanded need not have been looked at often.
         seen_at: The time of it, s, shape (P,).
     """
 
@@ -76,11 +82,19 @@ def cover(motion: Motion, pairs: Pairs, demand: float, *, resolution: float, flo
             cheap.
         floor: Intervals shorter than this are given up, s.
     """
+    if motion.body is not None:
+        return _compiled(motion.body, pairs, demand, resolution=resolution, floor=floor)
     search = _Search(motion, pairs, demand, resolution, floor)
     if pairs.part.size:
         search.between_knots()
         search.bisect()
     return search.result()
+
+
+def _compiled(body: Body, pairs: Pairs, demand: float, **work: float) -> Cover:
+    limits = {"tolerance": TOLERANCE, "worst": WORST_RESOLUTION, "most_open": MAX_OPEN}
+    found = compiled.covered(body, pairs.core, demand=demand, **work, **limits)
+    return Cover(**found | {"pair": found["pair"].astype(np.intp), "holds": found["holds"].astype(bool)})
 
 
 @dataclass(eq=False)

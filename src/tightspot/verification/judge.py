@@ -117,13 +117,21 @@ def verify(
         offset=(float(scenario.offset[0]), float(scenario.offset[1])),
         version=package_version(),
     )
-    return sealed(certificate, scenario, vehicle, trajectory)
+    return replace(certificate, digest=_Seal(certificate, scenario, vehicle, trajectory))
 
 
-def sealed(certificate: Certificate, scenario: Scenario, vehicle: VehicleModel, trajectory: Trajectory) -> Certificate:
-    """The certificate with its digest."""
-    parts = (scenario.to_dict(), vehicle.to_dict(), trajectory.shifted(certificate.offset).to_dict())
-    return replace(certificate, digest=digest(*parts, certificate.to_dict()))
+@dataclass(frozen=True)
+class _Seal:
+    """The digest of a certificate and what it is about, when it is asked for."""
+
+    certificate: Certificate
+    scenario: Scenario
+    vehicle: VehicleModel
+    trajectory: Trajectory
+
+    def __call__(self) -> str:
+        written = self.trajectory.shifted(self.certificate.offset).to_dict()
+        return digest(self.scenario.to_dict(), self.vehicle.to_dict(), written, self.certificate.to_dict())
 
 
 def _obstacle_check(clear: Cover, margin: float) -> Check:

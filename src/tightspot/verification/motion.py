@@ -19,12 +19,18 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.vehicles import VehicleModel
+from tightspot.verification import compiled
 from tightspot.verification.replay import Replay
+
+if TYPE_CHECKING:
+    from tightspot.verification.compiled import Body
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -53,6 +59,11 @@ class Motion(ABC):
     radius: Array
     frame: Index
     pad: Array
+
+    @property
+    def body(self) -> Body | None:
+        """The same in the compiled core, if that knows this kind of motion."""
+        return None
 
     @property
     @abstractmethod
@@ -120,6 +131,12 @@ class ReplayedMotion(Motion):
         reach = extent + np.abs(replay.node_states[:, :2]).max() + radius
         pad = replay.position_error + replay.heading_error * radius + ROUNDING * reach
         return cls(replay.vehicle, names, V0, radius, frame, pad, replay)
+
+    @cached_property
+    def body(self) -> Body | None:
+        """The same in the compiled core, if that knows the model."""
+        core = self.replay.core
+        return None if core is None else compiled.body_on(core, self.vehicle, self.radius, self.pad, BOUND_RESERVE)
 
     @property
     def t(self) -> Array:

@@ -8,16 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tightspot.errors import InputError, Problem
 from tightspot.trajectory import Trajectory
-from tightspot.vehicles import VehicleModel
+from tightspot.vehicles import SingleTrack, VehicleModel
+from tightspot.verification import compiled
+
+if TYPE_CHECKING:
+    from tightspot.verification.compiled import Motion
 
 Array = NDArray[np.float64]
 
@@ -44,6 +48,7 @@ class Replay:
             fifteenth of it; the factor is kept as safety. It is an *estimate*: the certificate's checker has
             a proved bound.
         heading_error: The same for theta, rad.
+        core: The same motion in the compiled core, if that knows the model. It stays in this process.
     """
 
     vehicle: VehicleModel
@@ -53,6 +58,10 @@ class Replay:
     node_states: Array
     position_error: float
     heading_error: float
+    core: Motion | None = field(default=None, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"core": None}
 
     @cached_property
     def first_nodes(self) -> NDArray[np.intp]:
@@ -77,6 +86,8 @@ class Replay:
         """
         times = np.asarray(times, float)
         flat = times.ravel()
+        if self.core is not None:
+            return self.core.at(flat).reshape(*times.shape, self.vehicle.n_states)
         last = self.nodes.size - 1
         left = np.clip(np.searchsorted(self.nodes, flat, side="right") - 1, 0, last - 1)
         controls = self.trajectory.inputs[self._node_interval[left]]
@@ -130,13 +141,39 @@ def replay(
             is too long to be integrated to this tolerance.
     """
     _check_names(vehicle, trajectory)
+    found = (_compiled if compiled.is_compiled(vehicle) else _replayed)(vehicle, trajectory, tolerance, first_step)
+    if found is None:
+        raise InputError(
+            Problem(
+                "trajectory",
+                f"lasts {trajectory.duration:g} s and cannot be integrated to {tolerance:g} m within {MAX_STEPS} "
+                f"steps and numbers below {LARGEST:g}; check times, speeds and steering angles",
+            )
+        )
+    return found
+
+
+def _compiled(vehicle: VehicleModel, trajectory: Trajectory, tolerance: float, first_step: float) -> Replay | None:
+    """The replay in the compiled core."""
+    accuracy = {"max_steps": MAX_STEPS, "largest": LARGEST, "reserve": RESERVE, "rounding": _ROUNDING}
+    assert isinstance(vehicle, SingleTrack)
+    core = compiled.integrated(vehicle, trajectory, tolerance=tolerance, first_step=first_step, **accuracy)
+    if core is None:
+        return None
+    substeps = core.substeps.astype(np.intp)
+    errors = core.position_error, core.heading_error
+    return Replay(vehicle, trajectory, substeps, core.nodes, core.node_states, *errors, core)
+
+
+def _replayed(vehicle: VehicleModel, trajectory: Trajectory, tolerance: float, first_step: float) -> Replay | None:
+    """The same in NumPy; ``None`` if the motion leaves the finite numbers or needs too many steps."""
     durations = np.diff(trajectory.t)
     steps = np.maximum(1, np.ceil(durations / first_step))
     while 3 * steps.sum() < MAX_STEPS:
         count = steps.astype(np.intp)
         coarse, fine = _integrate(vehicle, trajectory, count), _integrate(vehicle, trajectory, 2 * count)
         if not (np.abs(fine) < LARGEST).all():
-            break
+            return None
         difference = coarse[:, :3] - fine[::2, :3]
         position = float(np.hypot(difference[:, 0], difference[:, 1]).max())
         heading = float(np.abs(difference[:, 2]).max())
@@ -146,20 +183,14 @@ def replay(
             errors = position + float(reserve[:2].max()), heading + float(reserve[2])
             return Replay(vehicle, trajectory, 2 * count, _nodes(trajectory.t, 2 * count), fine, *errors)
         steps = np.ceil(steps * min(1.1 * excess**0.25, 8.0))
-    raise InputError(
-        Problem(
-            "trajectory",
-            f"lasts {trajectory.duration:g} s and cannot be integrated to {tolerance:g} m within {MAX_STEPS} "
-            f"steps and numbers below {LARGEST:g}; check times, speeds and steering angles",
-        )
-    )
+    return None
 
 
 def _check_names(vehicle: VehicleModel, trajectory: Trajectory) -> None:
-    for field in ("state_names", "input_names"):
-        have, need = getattr(trajectory, field), getattr(vehicle, field)
+    for names in ("state_names", "input_names"):
+        have, need = getattr(trajectory, names), getattr(vehicle, names)
         if tuple(have) != tuple(need):
-            raise InputError(Problem(f"trajectory.{field}", f"are {have}, but {vehicle.name} needs {need}"))
+            raise InputError(Problem(f"trajectory.{names}", f"are {have}, but {vehicle.name} needs {need}"))
 
 
 def _nodes(t: Array, steps: NDArray[np.intp]) -> Array:

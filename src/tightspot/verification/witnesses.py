@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.verification import compiled
 from tightspot.verification.barriers import Pairs
 from tightspot.verification.certificate import WORKSPACE, Witness
 from tightspot.verification.cover import Cover
@@ -23,6 +24,8 @@ def obstacle_witnesses(
     motion: Motion, pairs: Pairs, clear: Cover, margin: float, names: Sequence[str]
 ) -> list[Witness]:
     failed = np.flatnonzero(~clear.holds)
+    if not failed.size:
+        return []
     times, clearances = _worst_moments(motion, pairs, failed, clear)
     poses = motion.at(times)[:, :3]
     witnesses = []
@@ -37,6 +40,8 @@ def obstacle_witnesses(
 def workspace_witnesses(motion: Motion, walls: Pairs, inside: Cover) -> list[Witness]:
     """One witness a body part: the edge that it crosses furthest."""
     failed = np.flatnonzero(~inside.holds)
+    if not failed.size:
+        return []
     times, clearances = _worst_moments(motion, walls, failed, inside)
     poses = motion.at(times)[:, :3]
     witnesses = []
@@ -52,6 +57,8 @@ def workspace_witnesses(motion: Motion, walls: Pairs, inside: Cover) -> list[Wit
 def _worst_moments(motion: Motion, pairs: Pairs, chosen: Index, found: Cover) -> tuple[Array, Array]:
     """Times and clearances of the chosen pairs' worst moments: the cover's, refined by dense samples."""
     times, clearances = found.seen_at[chosen], found.seen[chosen]
+    if motion.body is not None:
+        return compiled.worst_moments(motion.body, pairs.core, chosen, times, clearances)
     t = motion.t
     for width in (2e-2, 1e-3, 5e-5):
         if not chosen.size:

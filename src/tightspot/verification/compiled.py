@@ -1,0 +1,101 @@
+"""The compiled judge: replay, cover and worst moments for the vehicle models that it knows, in ``tightspot._core``.
+
+It does what :mod:`~tightspot.verification.replay`, :mod:`~tightspot.verification.cover` and
+:mod:`~tightspot.verification.witnesses` do in NumPy, by the same steps, and finds the same up to rounding; they remain
+for vehicle models of one's own. The code is at ``cpp/include/tightspot/judge``. It writes the models down anew, so that
+the judge has no dynamics in common with the stagewise solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tightspot.geometry import ConvexPolygon
+from tightspot.trajectory import Trajectory
+from tightspot.vehicles import SingleTrack, VehicleModel
+
+try:
+    from tightspot import _core
+except ImportError:  # plans can be judged without the core, more slowly
+    _core = None  # type: ignore[assignment]
+
+if TYPE_CHECKING:
+    from tightspot._core import CoverAnswer, JudgeObstacles, JudgeSingleTrackBody, JudgeSingleTrackMotion, JudgeWalls
+
+    Motion = JudgeSingleTrackMotion
+    Body = JudgeSingleTrackBody
+    Barriers = JudgeObstacles | JudgeWalls
+
+Array = NDArray[np.float64]
+
+
+def is_compiled(vehicle: VehicleModel) -> bool:
+    """Whether the core knows the model. Of a subclass it does not: its methods may mean something else."""
+    return _core is not None and type(vehicle) is SingleTrack
+
+
+def integrated(vehicle: SingleTrack, trajectory: Trajectory, **accuracy: float) -> Motion | None:
+    """The motion of the trajectory's inputs; ``None`` if it leaves the finite numbers or needs too many steps.
+
+    Args:
+        vehicle: One that :func:`is_compiled`.
+        trajectory: Its times, its first state and its inputs are used.
+        accuracy: What ``JudgeAccuracy`` has.
+    """
+    parameters = np.array([vehicle.wheelbase])
+    motion = _core.JudgeSingleTrackMotion(trajectory.t, trajectory.states[0], trajectory.inputs, parameters)
+    return motion if motion.integrate(_filled(_core.JudgeAccuracy(), accuracy)) else None
+
+
+def body_on(motion: Motion, vehicle: VehicleModel, radii: Array, pads: Array, reserve: float) -> Body:
+    """The body parts on the motion.
+
+    Args:
+        motion: Of the vehicle.
+        vehicle: Whose parts they are.
+        radii: Largest distance of each part's vertices from its frame's origin, m.
+        pads: What each part's clearances lose to integration error and rounding, m.
+        reserve: For rounding in the bounds of the motion, relative.
+    """
+    frames = np.array([part.frame for part in vehicle.parts], dtype=np.int64)
+    vertices, first = _flat([part.polygon for part in vehicle.parts])
+    return _core.JudgeSingleTrackBody(motion, vertices, first, frames, radii, pads, reserve)
+
+
+def obstacles(polygons: Sequence[ConvexPolygon]) -> JudgeObstacles:
+    """Convex obstacle parts as barriers."""
+    return _core.JudgeObstacles(*_flat(polygons))
+
+
+def walls(workspace: ConvexPolygon) -> JudgeWalls:
+    """The edges of the workspace as barriers."""
+    return _core.JudgeWalls(-workspace.A, -workspace.b)
+
+
+def covered(body: Body, barriers: Barriers, **task: float) -> CoverAnswer:
+    """The fields of a :class:`~tightspot.verification.cover.Cover` of all pairs; ``task``: what ``JudgeTask`` has."""
+    return _core.judge_cover(body, barriers, _filled(_core.JudgeTask(), task))
+
+
+def worst_moments(
+    body: Body, barriers: Barriers, pairs: NDArray[np.intp], times: Array, clearances: Array
+) -> tuple[Array, Array]:
+    """Times and clearances of the pairs' worst moments near the given ones."""
+    return _core.judge_worst_moments(body, barriers, pairs.astype(np.int64), times, clearances)
+
+
+def _filled(options: Any, values: dict[str, float]) -> Any:
+    for name, value in values.items():
+        setattr(options, name, value)
+    return options
+
+
+def _flat(polygons: Sequence[ConvexPolygon]) -> tuple[Array, NDArray[np.int64]]:
+    """All vertices (n, 2) one after the other, and where each polygon's begin, with the end."""
+    sizes = [len(polygon.vertices) for polygon in polygons]
+    vertices = np.concatenate([polygon.vertices for polygon in polygons]) if polygons else np.zeros((0, 2))
+    return vertices, np.cumsum([0, *sizes], dtype=np.int64)
