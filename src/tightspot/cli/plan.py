@@ -49,7 +49,7 @@ def plan_command(
         str | None, typer.Option(metavar="NAME", help="Default: hybrid-astar; a wrong name lists all.")
     ] = None,
     solver: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Default: stagewise, then ipopt; a wrong name lists all.")
+        str | None, typer.Option(metavar="NAME", help="Default: stagewise, then fatrop, then ipopt; a wrong name lists all.")
     ] = None,
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="Intervals to begin with; default: from the guess.")

@@ -13,6 +13,7 @@ from tightspot.formulations.signed_distance_dual import SignedDistanceDual
 from tightspot.formulations.soft_signed_distance import SoftSignedDistance
 from tightspot.formulations.swept_line import SweptLine, SweptUnitNormalLine
 from tightspot.formulations.triangle_area import TriangleArea
+from tightspot.formulations.twins import with_unit_normal
 from tightspot.formulations.unit_normal_line import UnitNormalLine
 from tightspot.formulations.vertex_exclusion import VertexExclusion
 
@@ -71,4 +72,5 @@ __all__ = [
     "UnitNormalLine",
     "VertexExclusion",
     "formulation",
+    "with_unit_normal",
 ]

@@ -16,6 +16,7 @@ from tightspot.guesses import Guess
 from tightspot.planner.best import run_best
 from tightspot.planner.explain import SECONDS, explain_blocked, explain_no_guess, explain_rounds
 from tightspot.planner.explanation import Explanation, FailureKind
+from tightspot.planner.fell_back import fell_back_from
 from tightspot.planner.mesh import gear_changes, path_length
 from tightspot.planner.portfolio import EFFORTS, Course, run_portfolio
 from tightspot.planner.progress import ProgressCallback
@@ -119,6 +120,7 @@ def _report(request: Request, tried: list[Course], total: float) -> dict[str, An
         "formulation": request.formulation.name,
         "guess": {"name": course.member.name, "reason": found.reason, "seconds": course.guess_seconds, **found.report},
         "solver": request.solver.name,
+        "fell_back_from": fell_back_from(request, tried),
         "margin": request.margin,
         "rounds": [outcome.to_dict() for outcome in course.rounds],
         "tried": [other.to_dict(request) for other in tried],

@@ -17,6 +17,7 @@ from tightspot.vehicles import SingleTrack, VehicleModel, from_dict, load_vehicl
 
 MOST_STEPS = 500
 LARGEST_MARGIN = 10.0
+PREFERRED = (Stagewise.name, Fatrop.name)
 FALLBACK_SECONDS = 25.0
 FATROP_SECONDS = 6.0
 """It is done within one second or, as a rule, not at all; from some starts it hangs until it is stopped."""
@@ -26,7 +27,8 @@ FATROP_SECONDS = 6.0
 class Request:
     """Everything :func:`tightspot.plan` was asked for, with the defaults filled in.
 
-    ``fallbacks`` are tried, in order, when ``solver`` fails.
+    ``fallbacks`` are tried, in order, when ``solver`` fails. ``unusable`` are the names of those that would have come
+    before, but cannot solve this.
     """
 
     scenario: Scenario
@@ -40,6 +42,7 @@ class Request:
     margin: float
     refinements: int
     time_limit: float
+    unusable: tuple[str, ...] = ()
 
 
 def resolve(
@@ -75,6 +78,8 @@ def resolve(
         raise InputError(problems)
     member = formulation(formulation_) if isinstance(formulation_, str) else formulation_ or SweptLine()
     backend, fallbacks = solvers_for(solver, car, member)
+    used = {usable.name for usable in (backend, *fallbacks)}
+    unusable = () if solver is not None else tuple(name for name in PREFERRED if name not in used)
     check(scene, car, margin)
     return Request(
         scene,
@@ -88,6 +93,7 @@ def resolve(
         margin,
         refinements,
         time_limit,
+        unusable,
     )
 
 
