@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import casadi as ca
 import numpy as np
 import pytest
 from benchmarks.best_of_many import figures, table
@@ -37,11 +38,17 @@ def test_it_is_a_solution_of_the_program_that_ipopt_solves():
     scenario, car = settings.scenario(known.scene), settings.car()
     wanted, grid = settings.transcription(SeparatingLine()), TimeGrid.uniform(settings.steps)
     nlp = transcribe(scenario, car, optimum.guess.trajectory, wanted, grid=grid).nlp
-    x, lam = optimum.report.x, optimum.report.lam_g
-    assert nlp.violation(optimum.report.g).max() < 1e-6
-    assert optimum.report.objective == pytest.approx(known.objective, rel=SAME)
-    assert x.shape[0] == nlp.x.shape[0]
-    assert lam.shape[0] == nlp.g.shape[0]
+    report = optimum.report
+    f, g, gradient, jacobian = (
+        np.array(value)
+        for value in ca.Function(
+            "all", [nlp.x, nlp.p], [nlp.f, nlp.g, ca.gradient(nlp.f, nlp.x), ca.jacobian(nlp.g, nlp.x)]
+        )(report.x, nlp.p0)
+    )
+    assert f.item() == pytest.approx(known.objective, rel=SAME)
+    assert nlp.violation(g.ravel()).max() < 1e-6
+    assert np.maximum(nlp.lbx - report.x, report.x - nlp.ubx).max() < 1e-6
+    assert np.abs(gradient.ravel() + jacobian.T @ report.lam_g + report.lam_x).max() < 1e-6
 
 
 def test_optima_come_in_order_and_no_guess_is_counted_twice():
