@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 THICKNESS = 1e-3
 """A ring without area becomes a rectangle this thick, m."""
 _THINNEST = 1e-5
+_NOTHING = 1e-100
+"""GEOS divides by squares of differences, which less than this would make zero."""
 
 
 def has_area(ring: Array) -> bool:
@@ -55,7 +57,8 @@ _SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
 def _box(ring: Array) -> shapely.Geometry:
-    local = np.round(ring - ring[0], 12)  # GEOS divides by what is less than a double's smallest normal number
+    local = ring - ring[0]
+    local[np.abs(local) < _NOTHING] = 0.0
     return shapely.minimum_rotated_rectangle(shapely.MultiPoint(local))
 
 

@@ -146,12 +146,13 @@ def _counts(path: Path, values: Array) -> list[int]:
     odd = [
         Problem(path.name, f"{count:g} is not a number of vertices (value {8 + i})")
         for i, count in enumerate(counts)
-        if count != np.round(count) or not 1 <= count <= MAX_VERTICES
+        if count != np.round(count) or count < 1
     ]
     if odd:
         raise SceneError(shortened(odd))
-    if counts.sum() > MAX_VERTICES:
-        sentence = f"announces {counts.sum():g} vertices; at most {MAX_VERTICES} are read"
+    total = sum(counts.tolist())
+    if total > MAX_VERTICES:
+        sentence = f"announces {total:g} vertices; at most {MAX_VERTICES} are read"
         raise SceneError(Problem(path.name, sentence))
     expected = 7 + n + 2 * int(counts.sum())
     if found != expected:
