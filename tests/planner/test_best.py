@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tightspot
-from tightspot.errors import PlanningError
+from tightspot.errors import InputError, PlanningError
 from tightspot.formulations import SeparatingLine
 from tightspot.guesses import GuessResult, HybridAStar, assorted
 from tightspot.planner import best
@@ -137,6 +137,12 @@ def test_where_no_way_leads_it_says_so_soon() -> None:
     data["obstacles"] = [*data["obstacles"], wall]
     with pytest.raises(PlanningError, match=r"no way|no path|closed"):
         tightspot.plan(Scenario.from_dict(data), effort="best")
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "a"])
+def test_a_seed_must_be_a_whole_number(seed: object) -> None:
+    with pytest.raises(InputError, match=r"^seed: .* must be a whole number"):
+        tightspot.plan("oblique", effort="best", seed=seed)  # type: ignore[arg-type]
 
 
 def test_optima_are_told_once_the_best_first_with_how_often_they_were_found() -> None:

@@ -11,8 +11,8 @@ from tightspot.errors import InputError, Problem
 from tightspot.search import Direction, EndGears, HybridAStarOptions
 
 
-def generator(seed: int) -> np.random.Generator:
-    """Random numbers, the same for the same seed.
+def generator(seed: int, field: str = "guess.seed") -> np.random.Generator:
+    """Random numbers, the same for the same seed; ``field`` is its name in messages.
 
     Raises:
         InputError: If the seed is not a whole number, 0 or more.
@@ -20,7 +20,7 @@ def generator(seed: int) -> np.random.Generator:
     try:
         return np.random.default_rng(int(seed) if seed == int(seed) else -1)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(Problem("guess.seed", f"{seed!r} must be a whole number, 0 or more")) from None
+        raise InputError(Problem(field, f"{seed!r} must be a whole number, 0 or more")) from None
 
 
 def perturbed(options: HybridAStarOptions, seed: int) -> HybridAStarOptions:

@@ -17,6 +17,7 @@ import numpy as np
 
 from tightspot.guesses import GuessResult, HybridAStar, assorted, bent_versions
 from tightspot.guesses.ahead import in_order
+from tightspot.guesses.perturbed import generator
 from tightspot.planner.mesh import steps_for
 from tightspot.planner.optima import alike, distinct
 from tightspot.planner.portfolio import (
@@ -72,7 +73,11 @@ def run_best(request: Request, tell: ProgressCallback, deadline: float, seed: in
     guess that was asked for: bent versions), solved at the knots in one batch; each optimum once, the smallest J first,
     until it is certified or no better than one that is; then the best once more with more intervals. The answer depends
     on the seed, not on the number of cores, as long as the time suffices.
+
+    Raises:
+        InputError: If the seed is not a whole number, 0 or more.
     """
+    generator(seed, "seed")
     quick = without_fallbacks(request)
     members = members_of(request)
     tried = [run_course(quick, members[0], tell, deadline)]
