@@ -179,7 +179,7 @@ class Printer:
                 continue
             text = self._text(number, first)
             if text:
-                lines.append(f"const double a{number} = {text};")
+                lines.append(f"const P a{number} = {text};")
         for name, entries in outputs:
             lines += [f"{name}[{i}] = {self._name(entry)};" for i, entry in enumerate(entries)]
         if first:
@@ -194,7 +194,7 @@ class Printer:
         done.add(angle)
         sine, cosine = self.number(ca.OP_SIN, angle), self.number(ca.OP_COS, angle)
         call = f"sine_cosine({self._name(angle)}, a{sine}, a{cosine});"
-        return [f"double a{sine}, a{cosine};", call]
+        return [f"P a{sine}, a{cosine};", call]
 
     def _name(self, number: int) -> str:
         if number < 0:
@@ -215,7 +215,7 @@ class Printer:
             return f"{names[0]} {_BINARY[key[0]]} {names[1]}"
         if key[0] == ca.OP_NEG:
             return f"-{names[0]}"
-        return f"std::sqrt({names[0]})"
+        return f"square_root({names[0]})"
 
 
 def _step(model: Symbolic) -> tuple[list[str], int]:
@@ -234,11 +234,11 @@ def _step(model: Symbolic) -> tuple[list[str], int]:
     first = printer.read(inputs, jacobian.T)
     second = _upper(printer.read(inputs, hessian), inner.numel())
     printer.share([*value, *first, *second])
-    common = "const double* x, double h, const double* u, const double* p"
-    text = _function("step", f"{common}, double* after, double* shared", printer.body([("after", value)], True))
-    common += ", const double* shared"
-    text += _function("step_jacobian", f"{common}, double* J", printer.body([("J", first)], False))
-    text += _function("step_hessian", f"{common}, const double* lam, double* H", printer.body([("H", second)], False))
+    common = "const P* x, P h, const P* u, const double* p"
+    text = _function("step", f"{common}, P* after, P* shared", printer.body([("after", value)], True))
+    common += ", const P* shared"
+    text += _function("step_jacobian", f"{common}, P* J", printer.body([("J", first)], False))
+    text += _function("step_hessian", f"{common}, const P* lam, P* H", printer.body([("H", second)], False))
     return text, len(printer.shared)
 
 
@@ -256,9 +256,9 @@ def _cover(model: Symbolic) -> list[str]:
     value = printer.read(inputs, cover)
     second = _upper(printer.read(inputs, hessian), nx + 1 + nu)
     derivatives = [("gradient", printer.read(inputs, gradient)), ("H", second)]
-    common = "const double* x, double h, const double* u, const double* p, double rho, double poses"
-    text = _function("cover", f"{common}, double* value", printer.body([("value", value)], False))
-    arguments = f"{common}, double* gradient, double* H"
+    common = "const P* x, P h, const P* u, const double* p, double rho, double poses"
+    text = _function("cover", f"{common}, P* value", printer.body([("value", value)], False))
+    arguments = f"{common}, P* gradient, P* H"
     return text + _function("cover_derivatives", arguments, printer.body(derivatives, False))
 
 
@@ -273,7 +273,8 @@ def _function(name: str, arguments: str, lines: list[str]) -> list[str]:
     used = "\n".join(body)
     names = [argument.split()[-1] for argument in arguments.split(", ")]
     unused = [f"        (void){name};" for name in names if not _appears(name, used)]
-    return [f"    static inline void {name}({arguments}) {{", *unused, *body, "    }", ""]
+    head = ["    template <class P>", f"    static inline void {name}({arguments}) {{"]
+    return [*head, *unused, *body, "    }", ""]
 
 
 def _appears(name: str, text: str) -> bool:
@@ -288,13 +289,11 @@ def header(model: Symbolic) -> str:
         f"// Written by cpp/generate_models.py with CasADi {ca.__version__}; change the Python model, not this file.",
         "#pragma once",
         "",
-        "#include <cmath>",
-        "",
         '#include "tightspot/stagewise/sine_cosine.hpp"',
         "",
         "namespace tightspot::stagewise {",
         "",
-        f"// Parameters p: {model.meaning}.",
+        f"// Parameters p: {model.meaning}. P: double, or Pack for several at once.",
         f"struct {model.name} {{",
         f"    static constexpr int states = {nx}, inputs = {nu}, parameters = {model.parameters.numel()};",
         f"    static constexpr int shared = {shared};",

@@ -170,7 +170,7 @@ class Solver {
 
     void set_multipliers(const Array& s, const Array& z, const Array& zb, const Array& lam, const Array& nu) {
         Point& point = core_->point;
-        fill(point.s, s, "s"), fill(point.z, z, "z"), fill(point.zb, zb, "zb"), fill(point.lam, lam, "lam");
+        fill_rows(point.s, s, "s"), fill_rows(point.z, z, "z"), fill(point.zb, zb, "zb"), fill(point.lam, lam, "lam");
         fill(point.nu, nu, "nu");
     }
 
@@ -201,11 +201,11 @@ class Solver {
 
     nb::dict derivatives(const Array& v, const Array& lam, const Array& z) {
         Point& point = core_->point;
-        fill(point.v, v, "v"), fill(point.lam, lam, "lam"), fill(point.z, z, "z");
+        fill(point.v, v, "v"), fill(point.lam, lam, "lam"), fill_rows(point.z, z, "z");
         const auto check = core_->lagrangian();
         nb::dict answer;
         answer["objective"] = core_->values().objective;
-        answer["defects"] = flat(core_->values().defects), answer["rows"] = flat(core_->values().rows);
+        answer["defects"] = flat(core_->values().defects), answer["rows"] = of_rows(core_->values().rows);
         answer["gradient"] = flat(check.gradient);
         answer["hessian"] = table(check.hessian.data(), point.v.size(), point.v.size());
         return answer;
@@ -220,12 +220,20 @@ class Solver {
         answer["objective"] = outcome.objective, answer["violation"] = outcome.violation;
         answer["stationarity"] = outcome.stationarity, answer["complementarity"] = outcome.complementarity;
         answer["seconds"] = outcome.seconds, answer["residual"] = outcome.residual;
-        answer["v"] = flat(point.v), answer["s"] = flat(point.s), answer["z"] = flat(point.z);
+        answer["v"] = flat(point.v), answer["s"] = of_rows(point.s), answer["z"] = of_rows(point.z);
         answer["zb"] = flat(point.zb), answer["lam"] = flat(point.lam), answer["nu"] = flat(point.nu);
-        answer["rows"] = flat(core_->values().rows), answer["defects"] = flat(core_->values().defects);
+        answer["rows"] = of_rows(core_->values().rows), answer["defects"] = flat(core_->values().defects);
         answer["bounds"] = flat(core_->bound_multipliers()), answer["demands"] = flat(core_->demands());
         answer["log"] = logged();
         return answer;
+    }
+
+    nb::object of_rows(const Vector& values) const { return flat(core_->in_order(values)); }
+
+    void fill_rows(Vector& into, const Array& from, const char* what) {
+        Vector ordered(into.size());
+        fill(ordered, from, what);
+        core_->put_in_place(ordered, into);
     }
 
     Table logged() const {

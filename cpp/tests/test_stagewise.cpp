@@ -106,13 +106,91 @@ TEST(stagewise_step_derivatives_are_those_of_the_step) {
     }
 }
 
+TEST(stagewise_packs_compute_what_numbers_do) {
+    Pack angles = 0.0, sines, cosines;
+    for (int sample = -400; sample < 400; ++sample) {
+        for (int l = 0; l < lanes; ++l) angles.set(l, 0.0371 * sample * (l + 1));
+        sine_cosine(angles, sines, cosines);
+        for (int l = 0; l < lanes; ++l) {
+            CHECK_CLOSE(sines[l], std::sin(angles[l]), 4e-16);
+            CHECK_CLOSE(cosines[l], std::cos(angles[l]), 4e-16);
+        }
+    }
+    angles.set(0, 1e9);
+    sine_cosine(angles, sines, cosines);
+    CHECK_CLOSE(sines[0], std::sin(1e9), 1e-16);
+    angles.set(0, nan_);
+    sine_cosine(angles, sines, cosines);
+    CHECK(std::isnan(sines[0]) && std::isnan(cosines[0]));
+}
+
+TEST(stagewise_reductions_are_those_of_plain_loops) {
+    for (std::size_t n : {0, 1, 3, 7, 8, 29, 130}) {
+        Vector values(n);
+        double sum = 0, most = 0, logs = 0;
+        Logarithms logarithms;
+        for (std::size_t i = 0; i < n; ++i) {
+            values[i] = std::exp(40 * std::sin(3.7 * static_cast<double>(i)));
+            sum += values[i], most = std::max(most, values[i]), logs += std::log(values[i]);
+        }
+        over_packs(n, [&](auto zero, std::size_t i) { logarithms.add(load<decltype(zero)>(&values[i])); });
+        CHECK(logarithms.usable());
+        CHECK_CLOSE(logarithms.value(), logs, 1e-11);
+        CHECK_CLOSE(sum_of_magnitudes(values.data(), n) / std::max(sum, 1.0), sum / std::max(sum, 1.0), 1e-14);
+        CHECK(largest_magnitude(values.data(), n) == most);
+        for (double bad : {nan_, infinity, 0.0, -1.0}) {
+            if (n < 3) continue;
+            values[2] = bad;
+            Logarithms spoilt;
+            over_packs(n, [&](auto zero, std::size_t i) { spoilt.add(load<decltype(zero)>(&values[i])); });
+            CHECK(!spoilt.usable());
+            CHECK(std::isfinite(largest_magnitude(values.data(), n)) == std::isfinite(bad));
+        }
+    }
+}
+
+TEST(stagewise_rows_come_back_in_the_problems_order) {
+    // Bodies and obstacles of different sizes, so that there are full groups and single lines.
+    Problem mixed = problem(5, {{5, 9, 3.2, 5}, {1, 2, 4, 5}}, 2);
+    mixed.obstacles.x.push_back(7), mixed.obstacles.y.push_back(5.5), mixed.obstacles.first.back() += 1;
+    Solver solver(mixed);
+    start(solver);
+    solver.lagrangian();
+    const Vector rows = solver.in_order(solver.values().rows), demands = solver.demands();
+    const Layout& layout = solver.layout();
+    const double* v = solver.point.v.data();
+    CHECK(rows.size() == static_cast<std::size_t>(layout.row.back()));
+    for (int k = 0; k < 5; ++k) {
+        int row = layout.row[k] + 2 * 3 * 4;  // two walls, three samples
+        for (int i = layout.pair[k]; i < layout.pair[k + 1]; ++i) {
+            const Pair& pair = mixed.pairs[i];
+            const double nx = std::cos(v[layout.aux(i)]), ny = std::sin(v[layout.aux(i)]);
+            const double mu = v[layout.aux(i) + 1] + nx * pair.origin[0] + ny * pair.origin[1];
+            for (int j = mixed.obstacles.first[pair.obstacle]; j < mixed.obstacles.first[pair.obstacle + 1]; ++j, ++row)
+                CHECK_CLOSE(rows[row], mu - nx * mixed.obstacles.x[j] - ny * mixed.obstacles.y[j] - demands[row], 1e-12);
+            const double* x = v + layout.x(k);
+            for (int c = 0; c < 4; ++c) {
+                const double cx = mixed.parts.x[c], cy = mixed.parts.y[c];
+                const double X = x[0] + std::cos(x[2]) * cx - std::sin(x[2]) * cy;
+                const double Y = x[1] + std::sin(x[2]) * cx + std::cos(x[2]) * cy;
+                CHECK_CLOSE(rows[row + c], nx * X + ny * Y - mu - demands[row + c], 1e-12);
+            }
+            row += 3 * 4;
+        }
+        CHECK(row == layout.row[k + 1]);
+    }
+    Vector back(rows.size());
+    solver.put_in_place(rows, back);
+    CHECK(back == solver.values().rows);
+}
+
 TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
-    const Outcome free = solve(problem(12, {}));
+    const Outcome free = solve(problem(9, {}));
     CHECK(free.status == Status::solved);
-    const Outcome past = solve(problem(12, {{5, 9, 3.2, 5}}));
+    const Outcome past = solve(problem(9, {{5, 9, 3.2, 5}}));
     CHECK(past.status == Status::solved);
     CHECK(past.objective > free.objective + 1e-3);
-    const Outcome swept = solve(problem(12, {{5, 9, 3.2, 5}}, 3));
+    const Outcome swept = solve(problem(9, {{5, 9, 3.2, 5}}, 2));
     CHECK(swept.status == Status::solved);
     CHECK(swept.objective > past.objective);
 }
@@ -143,7 +221,7 @@ TEST(stagewise_is_deterministic_and_safe_in_threads) {
 }
 
 TEST(stagewise_allocates_nothing_while_it_solves) {
-    Solver solver(problem(10, {{5, 9, 3.2, 5}}, 2));
+    Solver solver(problem(9, {{5, 9, 3.2, 5}}, 2));
     start(solver);
     solver.log.reserve(10001);
     CHECK(__sanitizer_install_malloc_and_free_hooks(count_allocation, ignore_release) > 0);

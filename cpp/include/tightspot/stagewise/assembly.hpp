@@ -2,16 +2,20 @@
 // pair.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
+#include "tightspot/stagewise/chain.hpp"
+#include "tightspot/stagewise/covers.hpp"
 #include "tightspot/stagewise/row_quadratic.hpp"
 
 namespace tightspot::stagewise {
 
 // A gradient with respect to all variables, kept by interval (nw each: x_k's part in interval k, x_N's in the last one)
-// and by line.
+// and by line (forces.lines).
 struct Gradient {
-    Vector stages, lines;
+    Vector stages;
+    Forces forces;
 };
 
 template <class Model>
@@ -19,54 +23,44 @@ class Assembly {
     using S = Sizes<Model>;
 
    public:
-    Assembly(const Problem& problem, const Layout& layout) : problem_(problem), layout_(layout) {
-        int most = 2;
-        for (int pieces : problem.pieces) most = pieces + 1 > most ? pieces + 1 : most;
-        forces_.resize(most), blocks_.resize(most);
-        cover_forces_.assign(problem.parts.size(), 0);
-        stages.assign(problem.steps * S::nw * S::nw, 0);
-        cover_gradients.assign(problem.steps * problem.parts.size() * S::nw, 0);
-        pairs.resize(problem.pairs.size());
+    Assembly(const Problem& problem, const Layout& layout)
+        : rows(RowGrouping(problem, layout).take()), stages(problem.steps), covers_(problem, layout),
+          problem_(problem), layout_(layout) {
+        const std::size_t samples = layout.sample.back(), parts = problem.parts.size();
+        curvature.poses.assign(6 * samples, 0), curvature.pose_covers.assign(3 * samples * parts, 0);
+        curvature.covers.assign(problem.steps * parts, 0), curvature.blocks.assign(rows.blocks, 0);
+        steps_.poses.assign(3 * samples, 0), steps_.covers.assign(problem.steps * parts, 0);
+        if (std::any_of(rows.coupled.begin(), rows.coupled.end(), [](char is) { return is != 0; }))
+            pairs.resize(problem.pairs.size());
         sensitivities.allocate(problem, layout);
-        find_structure();
     }
 
     void allocate(Gradient& gradient) const {
         gradient.stages.assign(problem_.steps * S::nw, 0);
-        gradient.lines.assign(2 * problem_.pairs.size(), 0);
+        gradient.forces.poses.assign(3 * layout_.sample.back(), 0);
+        gradient.forces.covers.assign(problem_.steps * problem_.parts.size(), 0);
+        gradient.forces.lines.assign(2 * rows.intervals.size(), 0);
+    }
+    void allocate(Values<Model>& values) const {
+        values.allocate(problem_, layout_);
+        values.geometry.assign(rows.geometry, 0);
     }
 
     // All values at a point.
     void evaluate(const double* v, Values<Model>& out) const {
-        for (std::size_t i = 0; i < problem_.pairs.size(); ++i) {
-            sine_cosine(v[layout_.aux(static_cast<int>(i))], out.normals[2 * i + 1], out.normals[2 * i]);
+        for (const Convoy& convoy : layout_.convoys) {
+            integrate(problem_, layout_, v, convoy, out);
+            if (has_cover(convoy)) covers_.evaluate(v, convoy, out.covers);
         }
-        const int parts = problem_.parts.size();
-        for (int k = 0; k < problem_.steps; ++k) {
-            integrate(problem_, layout_, v, k, out);
-            double* covers = out.covers.data() + k * parts;
-            if (has_cover(k)) evaluate_covers(v, k, covers);
-            RowValues visitor{covers, out.rows.data()};
-            visit_rows(problem_, layout_, v, out, k, visitor);
-        }
+        over_rows([&](auto P, const RowGroup& group) { row_values<decltype(P)>(context(), group, v, out); });
         out.objective = objective(v);
     }
 
     // First derivatives of motion and covers.
     void differentiate_all(const double* v, const Values<Model>& at) {
-        const int parts = problem_.parts.size();
-        double of_middle[S::na], hessian[S::na * S::na], middle[S::nx];
-        for (int k = 0; k < problem_.steps; ++k) {
-            differentiate(problem_, layout_, v, k, at, sensitivities);
-            if (!has_cover(k)) continue;
-            mid_state(v, k, middle);
-            for (int part = 0; part < parts; ++part) {
-                Model::cover_derivatives(middle, v[layout_.time] * problem_.widths[k], v + layout_.u(k),
-                                         problem_.parameters.data(), problem_.radii[part], problem_.pieces[k],
-                                         of_middle, hessian);
-                cover_gradient<Model>(of_middle, problem_.widths[k],
-                                      cover_gradients.data() + (k * parts + part) * S::nw);
-            }
+        for (std::size_t i = 0; i < layout_.convoys.size(); ++i) {
+            differentiate(problem_, layout_, v, layout_.convoys[i], at, sensitivities);
+            if (has_cover(layout_.convoys[i])) covers_.differentiate(v, static_cast<int>(i));
         }
     }
 
@@ -74,51 +68,67 @@ class Assembly {
     // of objective - z . rows, plus `bounds`: the same as set_gradient(v, at, z, bounds, out).
     void set_hessian(const double* v, const Values<Model>& at, const double* D, const double* z, const double* lam,
                      const double* diagonal, const double* bounds, Gradient& out) {
-        const int parts = problem_.parts.size();
-        for (int k = 0; k < problem_.steps; ++k) {
-            double* W = stages.data() + k * S::nw * S::nw;
-            for (int i = 0; i < S::nw * S::nw; ++i) W[i] = 0;
-            clear_scratch(k);
-            RowHessian<Model> rows{D, z, chain(k), cover_gradients.data() + k * parts * S::nw, blocks_.data(),
-                                   forces_.data(), cover_forces_.data(), out.lines.data(), W, pairs.data()};
-            visit_rows(problem_, layout_, v, at, k, rows);
-            const int samples = layout_.sample[k + 1] - layout_.sample[k];
-            for (int p = 0; p < samples; ++p) chain(k).add_block(p, blocks_[p].data(), W);
-            add_curvature(problem_, layout_, v, k, at, sensitivities, lam + k * S::nx, forces_.data(), W);
-            if (has_cover(k)) add_cover_curvature(v, k, W);
-            add_objective(v, k, W);
-            add_diagonal(k, diagonal, W);
-            collect_gradient(v, k, bounds, out.stages.data() + k * S::nw);
+        out.forces.clear(), curvature.clear();
+        over_rows([&](auto P, const RowGroup& group) {
+            row_curvature<decltype(P)>(context(), group, at, D, z, out.forces, curvature);
+        });
+        constexpr int n = S::inner;
+        Pack H[n * n];
+        for (std::size_t i = 0; i < layout_.convoys.size(); ++i) {
+            const Convoy& convoy = layout_.convoys[i];
+            stagewise::curvature(problem_, layout_, v, convoy, at, sensitivities, lam, out.forces.poses.data(), H);
+            for (int l = 0; l < convoy.count; ++l) {
+                StageQuadratic<Model>& stage = stages[convoy.first + l];
+                for (int c = 0; c < 2 * S::na; ++c) stage.own[c] = 0;
+                for (int r = 0; r < n; ++r) {
+                    double* row = stage.own + (2 + r) * S::na;
+                    row[0] = row[1] = 0;
+                    for (int c = 0; c < n; ++c) row[2 + c] = H[r * n + c][l];
+                }
+                complete(v, static_cast<int>(i), l, out.forces, diagonal);
+            }
         }
+        for (int k = 0; k < problem_.steps; ++k) collect_gradient(v, k, bounds, out);
+        chain_pairs();
     }
 
     // The objective's gradient - J' b + bounds.
-    void set_gradient(const double* v, const Values<Model>& at, const double* b, const double* bounds, Gradient& out) {
-        for (int k = 0; k < problem_.steps; ++k) {
-            clear_scratch(k);
-            RowForces rows{b, forces_.data(), cover_forces_.data(), out.lines.data()};
-            visit_rows(problem_, layout_, v, at, k, rows);
-            collect_gradient(v, k, bounds, out.stages.data() + k * S::nw);
-        }
+    void set_gradient(const double* v, const Values<Model>& at, const double* b, const double* bounds,
+                      Gradient& out) const {
+        out.forces.clear();
+        over_rows([&](auto P, const RowGroup& group) { row_forces<decltype(P)>(context(), group, at, b, out.forces); });
+        for (int k = 0; k < problem_.steps; ++k) collect_gradient(v, k, bounds, out);
     }
 
     // Steps of the rows from the step of the variables.
-    void row_steps(const double* v, const Values<Model>& at, const double* dv, double* out) {
+    void row_steps(const Values<Model>& at, const double* dv, double* out) {
         const int parts = problem_.parts.size();
         double w[S::nw];
         for (int k = 0; k < problem_.steps; ++k) {
+            double* poses = steps_.poses.data() + 3 * layout_.sample[k];
+            const int last = layout_.sample[k + 1] - layout_.sample[k] - 1;
+            for (int i = 0; i < 3; ++i) poses[3 * last + i] = dv[layout_.x(k + 1) + i];
+            if (!coupled(k)) continue;
             gather(dv, k, w);
-            const int samples = layout_.sample[k + 1] - layout_.sample[k];
-            for (int p = 0; p < samples; ++p) chain(k).step(p, w, forces_[p].data());
-            for (int part = 0; part < parts; ++part) {
-                const double* gradient = cover_gradients.data() + (k * parts + part) * S::nw;
+            for (int p = 0; p < last; ++p) chain(k).step(p, w, poses + 3 * p);
+            for (int part = 0; has_cover(k) && part < parts; ++part) {
+                const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
                 double sum = 0;
                 for (int i = 0; i < S::nw; ++i) sum += gradient[i] * w[i];
-                cover_forces_[part] = sum;
+                steps_.covers[k * parts + part] = sum;
             }
-            RowSteps rows{forces_.data(), cover_forces_.data(), dv + layout_.line, out};
-            visit_rows(problem_, layout_, v, at, k, rows);
         }
+        over_rows([&](auto P, const RowGroup& group) {
+            stagewise::row_steps<decltype(P)>(context(), group, at, steps_.poses.data(), steps_.covers.data(),
+                                              dv + layout_.line, out);
+        });
+    }
+
+    // The clearance demanded in each row.
+    void row_demands(const Values<Model>& at, double* out) const {
+        over_rows([&](auto P, const RowGroup& group) {
+            stagewise::row_demands<decltype(P)>(context(), group, at, out);
+        });
     }
 
     // The part of v that belongs to w of interval k.
@@ -140,26 +150,46 @@ class Assembly {
     }
 
     // True if rows of interval k depend on more than x_{k+1}.
-    bool coupled(int k) const { return coupled_[k] != 0; }
-    bool has_cover(int k) const { return covered_[k] != 0; }
+    bool coupled(int k) const { return rows.coupled[k] != 0; }
+    bool has_cover(int k) const { return rows.covered[k] != 0; }
 
-    Vector stages;  // W of each interval, nw x nw
-    std::vector<PairBlock<Model>> pairs;
-    Vector cover_gradients;  // of each (interval, part), nw
+    // A pair's block, wherever it is kept; for uncoupled intervals, too.
+    PairBlock<Model> pair_block(int pair) const {
+        if (coupled(problem_.pairs[pair].interval)) return pairs[pair];
+        PairBlock<Model> block{};
+        const RowGroup& group = rows.pairs[rows.group[pair]];
+        const double* at = curvature.blocks.data() + group.block + rows.lane[pair];
+        block.phi_phi = at[0], block.phi_mu = at[group.width], block.mu_mu = at[2 * group.width];
+        for (int i = 0; i < 3; ++i) {
+            block.phi[S::na + i] = at[(5 + i) * group.width];
+            block.mu[S::na + i] = at[(8 + i) * group.width];
+        }
+        return block;
+    }
+    // A gradient's part along the line of a pair: phi (0) or mu (1).
+    double line_force(const Gradient& gradient, int pair, int which) const {
+        const RowGroup& group = rows.pairs[rows.group[pair]];
+        return gradient.forces.lines[2 * group.line + which * group.width + rows.lane[pair]];
+    }
+
+    const RowGroups rows;
+    std::vector<StageQuadratic<Model>> stages;
+    RowCurvature curvature;
+    std::vector<PairBlock<Model>> pairs;  // of coupled intervals
     Sensitivities<Model> sensitivities;
 
    private:
-    void find_structure() {
-        coupled_.assign(problem_.steps, 0), covered_.assign(problem_.steps, 0);
-        for (int k = 0; k < problem_.steps; ++k)
-            for (int p = layout_.sample[k]; p < layout_.sample[k + 1]; ++p) {
-                const Demand &pair = problem_.pair_demands[p], &wall = problem_.wall_demands[p];
-                const bool last = p + 1 == layout_.sample[k + 1];
-                if (!last && (pair.used || wall.used)) coupled_[k] = 1;
-                if ((pair.used && pair.weight != 0) || (wall.used && wall.weight != 0)) covered_[k] = coupled_[k] = 1;
-            }
-        for (const Pair& pair : problem_.pairs)
-            if (pair.obstacle_weight != 0) covered_[pair.interval] = coupled_[pair.interval] = 1;
+    RowContext<Model> context() const { return {problem_, layout_, rows}; }
+
+    template <class Body>
+    void over_rows(Body&& body) const {
+        over_groups(rows.walls, body), over_groups(rows.pairs, body);
+    }
+
+    bool has_cover(const Convoy& convoy) const {
+        for (int l = 0; l < convoy.count; ++l)
+            if (has_cover(convoy.first + l)) return true;
+        return false;
     }
 
     Chain<Model> chain(int k) const {
@@ -167,62 +197,85 @@ class Assembly {
                 layout_.sample[k + 1] - layout_.sample[k] - 1};
     }
 
-    // From forces on poses and covers to the gradient with respect to w.
-    void collect_gradient(const double* v, int k, const double* bounds, double* g) const {
-        const int parts = problem_.parts.size(), samples = layout_.sample[k + 1] - layout_.sample[k];
-        for (int i = 0; i < S::nw; ++i) g[i] = 0;
-        for (int p = 0; p < samples; ++p) chain(k).add(p, forces_[p].data(), g);
-        if (has_cover(k))
-            for (int part = 0; part < parts; ++part) {
-                const double* gradient = cover_gradients.data() + (k * parts + part) * S::nw;
-                for (int i = 0; i < S::nw; ++i) g[i] += cover_forces_[part] * gradient[i];
-            }
-        add_objective_gradient(v, k, g);
-        for (int i = 0; i < S::nx; ++i) g[i] += bounds[layout_.x(k) + i];
-        for (int i = 0; i < S::nu; ++i) g[S::nz + i] += bounds[layout_.u(k) + i];
-        if (k == 0) g[S::nx] += bounds[layout_.time];
-        if (k + 1 == problem_.steps)
-            for (int i = 0; i < S::nx; ++i) g[S::na + i] += bounds[layout_.x(k + 1) + i];
-    }
-
-    void clear_scratch(int k) {
-        for (int p = 0; p < layout_.sample[k + 1] - layout_.sample[k]; ++p) forces_[p] = {}, blocks_[p] = {};
-        for (double& force : cover_forces_) force = 0;
-    }
-
-    void mid_state(const double* v, int k, double* middle) const {
-        for (int i = 0; i < S::nx; ++i) middle[i] = 0.5 * (v[layout_.x(k) + i] + v[layout_.x(k + 1) + i]);
-    }
-
-    void evaluate_covers(const double* v, int k, double* covers) const {
-        double middle[S::nx];
-        mid_state(v, k, middle);
-        for (int part = 0; part < problem_.parts.size(); ++part)
-            Model::cover(middle, v[layout_.time] * problem_.widths[k], v + layout_.u(k), problem_.parameters.data(),
-                         problem_.radii[part], problem_.pieces[k], covers + part);
-    }
-
-    void add_cover_curvature(const double* v, int k, double* W) const {
-        double of_middle[S::na], hessian[S::na * S::na], middle[S::nx];
-        mid_state(v, k, middle);
-        for (int part = 0; part < problem_.parts.size(); ++part) {
-            if (cover_forces_[part] == 0) continue;
-            Model::cover_derivatives(middle, v[layout_.time] * problem_.widths[k], v + layout_.u(k),
-                                     problem_.parameters.data(), problem_.radii[part], problem_.pieces[k], of_middle,
-                                     hessian);
-            add_cover_hessian<Model>(cover_forces_[part], hessian, problem_.widths[k], W);
+    // Adds to lane l of a convoy, whose own block holds the motion's curvature, all that is not the lines'.
+    void complete(const double* v, int index, int l, const Forces& forces, const double* diagonal) {
+        const int k = layout_.convoys[index].first + l, parts = problem_.parts.size();
+        const int first = layout_.sample[k], last = layout_.sample[k + 1] - 1;
+        StageQuadratic<Model>& stage = stages[k];
+        for (double& entry : stage.ahead) entry = 0;
+        add_pose_block(curvature.poses.data() + 6 * last, stage.ahead, S::nx);
+        add_objective(v, k, stage.own);
+        add_diagonal(k, diagonal, stage);
+        if (!coupled(k)) return;
+        for (double& entry : stage.mixed) entry = 0;
+        add_pose_block(curvature.poses.data() + 6 * first, stage.own, S::na);
+        for (int p = first + 1; p < last; ++p)
+            chain(k).add_block(p - first, curvature.poses.data() + 6 * p, stage.own);
+        if (!has_cover(k)) return;
+        covers_.add_curvature(index, l, forces.covers.data() + k * parts, stage);
+        for (int part = 0; part < parts; ++part) {
+            double row[S::nw] = {}, both[S::nw];
+            for (int p = first; p <= last; ++p)
+                chain(k).add(p - first, curvature.pose_covers.data() + 3 * (p * parts + part), row);
+            const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
+            for (int i = 0; i < S::nw; ++i) both[i] = curvature.covers[k * parts + part] * gradient[i] + row[i];
+            stage.add_outer(1.0, both, gradient);
+            stage.add_outer(1.0, gradient, row);
         }
     }
 
-    void add_objective(const double* v, int k, double* W) const {
+    // Blocks of pairs in coupled intervals, from poses and covers to w.
+    void chain_pairs() {
+        const int parts = problem_.parts.size();
+        for (const RowGroup& group : rows.pairs) {
+            if (!group.coupled) continue;
+            for (int l = 0; l < group.width; ++l) {
+                const double* at = curvature.blocks.data() + group.block + l;
+                const auto entry = [&](int i) { return at[i * group.width]; };
+                const int k = rows.intervals[group.line + l];
+                const double* cover = covers_.gradients.data() + (k * parts + group.part) * S::nw;
+                PairBlock<Model>& pair = pairs[rows.line_pairs[group.line + l]];
+                pair.phi_phi = entry(0), pair.phi_mu = entry(1), pair.mu_mu = entry(2);
+                const double phi_cover = entry(3), mu_cover = entry(4);
+                for (int i = 0; i < S::nw; ++i) pair.phi[i] = phi_cover * cover[i], pair.mu[i] = mu_cover * cover[i];
+                for (int s = 0; s < group.samples; ++s) {
+                    const int sample = rows.samples[group.sample + s * group.width + l] - layout_.sample[k], i = 5 + 6 * s;
+                    const double phi[3] = {entry(i), entry(i + 1), entry(i + 2)};
+                    const double mu[3] = {entry(i + 3), entry(i + 4), entry(i + 5)};
+                    chain(k).add(sample, phi, pair.phi), chain(k).add(sample, mu, pair.mu);
+                }
+            }
+        }
+    }
+
+    // From forces on poses and covers to the gradient with respect to w.
+    void collect_gradient(const double* v, int k, const double* bounds, Gradient& out) const {
+        double* g = out.stages.data() + k * S::nw;
+        const int parts = problem_.parts.size(), first = layout_.sample[k], last = layout_.sample[k + 1] - 1;
+        for (int i = 0; i < S::nx; ++i) g[i] = bounds[layout_.x(k) + i], g[S::na + i] = 0;
+        for (int i = 0; i < 3; ++i) g[S::na + i] = out.forces.poses[3 * last + i];
+        g[S::nx] = k == 0 ? bounds[layout_.time] : 0;
+        for (int i = 0; i < S::nu; ++i) g[S::nz + i] = bounds[layout_.u(k) + i];
+        if (k + 1 == problem_.steps)
+            for (int i = 0; i < S::nx; ++i) g[S::na + i] += bounds[layout_.x(k + 1) + i];
+        add_objective_gradient(v, k, g);
+        if (!coupled(k)) return;
+        for (int p = first; p < last; ++p) chain(k).add(p - first, out.forces.poses.data() + 3 * p, g);
+        for (int part = 0; has_cover(k) && part < parts; ++part) {
+            const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
+            for (int i = 0; i < S::nw; ++i) g[i] += out.forces.covers[k * parts + part] * gradient[i];
+        }
+    }
+
+    void add_objective(const double* v, int k, double* own) const {
         const double scale = problem_.time_scaled ? v[layout_.time] : 1.0;
         for (int i = 0; i < S::nu; ++i) {
             const double weight = 2 * problem_.widths[k] * problem_.input_weights[i];
             const int at = S::nz + i;
-            W[at * (S::nw + 1)] += scale * weight;
+            own[at * (S::na + 1)] += scale * weight;
             if (!problem_.time_scaled) continue;
             const double mixed = weight * v[layout_.u(k) + i];
-            W[at * S::nw + S::nx] += mixed, W[S::nx * S::nw + at] += mixed;
+            own[at * S::na + S::nx] += mixed, own[S::nx * S::na + at] += mixed;
         }
     }
 
@@ -236,20 +289,18 @@ class Assembly {
         }
     }
 
-    void add_diagonal(int k, const double* diagonal, double* W) const {
-        for (int i = 0; i < S::nx; ++i) W[i * (S::nw + 1)] += diagonal[layout_.x(k) + i];
-        for (int i = 0; i < S::nu; ++i) W[(S::nz + i) * (S::nw + 1)] += diagonal[layout_.u(k) + i];
-        if (k == 0) W[S::nx * (S::nw + 1)] += diagonal[layout_.time];
+    void add_diagonal(int k, const double* diagonal, StageQuadratic<Model>& stage) const {
+        for (int i = 0; i < S::nx; ++i) stage.own[i * (S::na + 1)] += diagonal[layout_.x(k) + i];
+        for (int i = 0; i < S::nu; ++i) stage.own[(S::nz + i) * (S::na + 1)] += diagonal[layout_.u(k) + i];
+        if (k == 0) stage.own[S::nx * (S::na + 1)] += diagonal[layout_.time];
         if (k + 1 == problem_.steps)
-            for (int i = 0; i < S::nx; ++i) W[(S::na + i) * (S::nw + 1)] += diagonal[layout_.x(k + 1) + i];
+            for (int i = 0; i < S::nx; ++i) stage.ahead[i * (S::nx + 1)] += diagonal[layout_.x(k + 1) + i];
     }
 
+    Covers<Model> covers_;
     const Problem& problem_;
     const Layout& layout_;
-    std::vector<Triple> forces_;
-    std::vector<Sextuple> blocks_;
-    Vector cover_forces_;
-    std::vector<char> coupled_, covered_;
+    Forces steps_;  // of poses and covers
 };
 
 }  // namespace tightspot::stagewise

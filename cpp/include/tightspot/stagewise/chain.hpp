@@ -41,15 +41,9 @@ struct Chain {
         }
     }
 
-    // Add a pose's Hessian (xx, xy, yy, xt, yt, tt) to W.
-    void add_block(int sample, const double* h, double* W) const {
+    // Add a driven sample's Hessian (xx, xy, yy, xt, yt, tt), 0 < sample < last, to the na x na quadratic of a.
+    void add_block(int sample, const double* h, double* own) const {
         const double full[3][3] = {{h[0], h[1], h[3]}, {h[1], h[2], h[4]}, {h[3], h[4], h[5]}};
-        if (sample == 0 || sample == last) {
-            double* corner = W + (sample == 0 ? 0 : S::na * (S::nw + 1));
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) corner[i * S::nw + j] += full[i][j];
-            return;
-        }
         const double* Q = poses + sample * 3 * S::inner;
         double half[3][S::na];
         for (int i = 0; i < 3; ++i) {
@@ -58,35 +52,19 @@ struct Chain {
                 half[i][2 + c] =
                     full[i][0] * Q[c] + full[i][1] * Q[S::inner + c] + full[i][2] * Q[2 * S::inner + c];
         }
-        for (int c = 0; c < S::na; ++c) W[c] += half[0][c], W[S::nw + c] += half[1][c];
+        for (int c = 0; c < S::na; ++c) own[c] += half[0][c], own[S::na + c] += half[1][c];
         for (int r = 0; r < S::inner; ++r)
             for (int c = 0; c < S::na; ++c)
-                W[(2 + r) * S::nw + c] += Q[r] * half[0][c] + Q[S::inner + r] * half[1][c] +
-                                          Q[2 * S::inner + r] * half[2][c];
+                own[(2 + r) * S::na + c] += Q[r] * half[0][c] + Q[S::inner + r] * half[1][c] +
+                                            Q[2 * S::inner + r] * half[2][c];
     }
 };
 
-// The cover is a function of ((x_k + x_{k+1}) / 2, h, u_k) with h = widths[k] t_f.
-template <class Model>
-void cover_gradient(const double* of_middle, double width, double* w) {
-    using S = Sizes<Model>;
-    for (int i = 0; i < S::nx; ++i) w[i] = w[S::na + i] = 0.5 * of_middle[i];
-    w[S::nx] = width * of_middle[S::nx];
-    for (int i = S::nz; i < S::na; ++i) w[i] = of_middle[i];
-}
-
-template <class Model>
-void add_cover_hessian(double factor, const double* of_middle, double width, double* W) {
-    using S = Sizes<Model>;
-    const auto scale = [&](int i) { return i < S::nx ? 0.5 : i == S::nx ? width : 1.0; };
-    for (int i = 0; i < S::na; ++i)
-        for (int j = 0; j < S::na; ++j) {
-            const double entry = factor * scale(i) * scale(j) * of_middle[i * S::na + j];
-            W[i * S::nw + j] += entry;
-            if (i < S::nx) W[(S::na + i) * S::nw + j] += entry;
-            if (j < S::nx) W[i * S::nw + S::na + j] += entry;
-            if (i < S::nx && j < S::nx) W[(S::na + i) * S::nw + S::na + j] += entry;
-        }
+// Add a pose's Hessian to the leading corner of a matrix with rows of the given length.
+inline void add_pose_block(const double* h, double* to, int row) {
+    to[0] += h[0], to[1] += h[1], to[2] += h[3];
+    to[row] += h[1], to[row + 1] += h[2], to[row + 2] += h[4];
+    to[2 * row] += h[3], to[2 * row + 1] += h[4], to[2 * row + 2] += h[5];
 }
 
 }  // namespace tightspot::stagewise

@@ -18,10 +18,11 @@ template <class Model>
 class InteriorPoint : public Newton<Model> {
     using Base = Newton<Model>;
     using S = Sizes<Model>;
-    using Base::assembly_, Base::bounds_, Base::complementarity, Base::complementarity_, Base::diverged, Base::direction;
+    using Base::assembly_, Base::bounds_, Base::complementarity_, Base::diverged, Base::direction;
     using Base::factor, Base::goal_residual_, Base::last_regularisation_, Base::layout_, Base::measure, Base::mu_;
-    using Base::problem_, Base::row_residual_, Base::scale_, Base::set_goal_residual, Base::set_system;
+    using Base::problem_, Base::products_, Base::row_residual_, Base::scale_, Base::set_goal_residual, Base::set_system;
     using Base::stationarity_, Base::values_, Base::violation_;
+    using Pace = typename Base::Pace;
     static constexpr double first_regularisation = 3;  // keeps the first steps short; falls threefold each iteration
     static constexpr int patience = 60;  // iterations without progress at a feasible point
     static constexpr double smallest_barrier_of_tolerance = 0.1;
@@ -29,7 +30,7 @@ class InteriorPoint : public Newton<Model> {
    public:
     explicit InteriorPoint(Problem problem) : Base(std::move(problem)), filter_(500) {
         for (Point* other : {&trial_, &step_, &other_}) other->allocate(layout_, bounds_.size());
-        trial_values_.allocate(problem_, layout_);
+        assembly_.allocate(trial_values_);
         corrected_rows_.assign(layout_.rows, 0), corrected_goal_.assign(S::nx, 0);
         corrected_defects_.assign(problem_.steps * S::nx, 0);
         samples_.assign(Audit<Model>::scratch_size(problem_), 0);
@@ -146,13 +147,7 @@ class InteriorPoint : public Newton<Model> {
     void update_barrier(int iteration) {
         const std::size_t rows = point.s.size(), bounds = bounds_.size();
         if (iteration == 0 || rows + bounds == 0) return;
-        const double *s = point.s.data(), *z = point.z.data();
-        const auto of_row = [&](std::size_t i) { return s[i] * z[i]; };
-        const auto of_bound = [&](std::size_t i) { return bounds_[i].slack(point.v) * point.zb[i]; };
-        const double mean = (total(rows, of_row) + total(bounds, of_bound)) / static_cast<double>(rows + bounds);
-        const double infinity = std::numeric_limits<double>::infinity();
-        const double least = -std::max(largest(rows, -infinity, [&](std::size_t i) { return -of_row(i); }),
-                                       largest(bounds, -infinity, [&](std::size_t i) { return -of_bound(i); }));
+        const double mean = products_.sum / static_cast<double>(rows + bounds), least = products_.least;
         const double evenness = std::max(least / mean, 1e-4);
         const double lag = std::min(0.05 * (1 - evenness) / evenness, 2.0);
         double wanted = std::max(0.08 * lag * lag * lag * mean, 1e-2 * mean);
@@ -176,7 +171,7 @@ class InteriorPoint : public Newton<Model> {
         bool moved = false;
         for (int round = 0; round < 6 && !moved; ++round) {
             if (!factor(regularisation, outcome)) return false;
-            direction(row_residual_, values_.defects, goal_residual_, step_);
+            pace_ = direction(row_residual_, values_.defects, goal_residual_, step_);
             moved = line_search(from, record);
             if (moved) break;
             filter_.clear();
@@ -186,8 +181,8 @@ class InteriorPoint : public Newton<Model> {
         record.barrier = mu_;
         if (!moved) {
             if (++failures > 5) return false;
-            alpha_ = std::min(0.5 * longest_primal(step_), 1e-2);
-            dual_alpha_ = 0.5 * longest_dual(step_);
+            alpha_ = std::min(0.5 * longest(pace_.primal), 1e-2);
+            dual_alpha_ = 0.5 * longest(pace_.dual);
             make_trial(alpha_, step_);
         }
         record.primal_step = alpha_, record.dual_step = dual_alpha_;
@@ -197,31 +192,28 @@ class InteriorPoint : public Newton<Model> {
 
     double boundary_fraction() const { return std::max(0.99, 1 - mu_); }
 
-    double longest_primal(const Point& step) const {
-        const double *s = point.s.data(), *ds = step.s.data();
-        double rate = largest(point.s.size(), 0.0, [&](std::size_t i) { return -ds[i] / s[i]; });
-        for (const Bound& bound : bounds_)
-            rate = std::max(rate, -bound.side * step.v[bound.index] / bound.slack(point.v));
-        return rate > boundary_fraction() ? boundary_fraction() / rate : 1.0;
-    }
-
-    double longest_dual(const Point& step) const {
-        const double *z = point.z.data(), *dz = step.z.data(), *zb = point.zb.data(), *dzb = step.zb.data();
-        double rate = largest(point.z.size(), 0.0, [&](std::size_t i) { return -dz[i] / z[i]; });
-        rate = largest(bounds_.size(), rate, [&](std::size_t i) { return -dzb[i] / zb[i]; });
-        return rate > boundary_fraction() ? boundary_fraction() / rate : 1.0;
-    }
+    // The longest step that leaves of everything what the fraction to the boundary leaves.
+    double longest(double rate) const { return rate > boundary_fraction() ? boundary_fraction() / rate : 1.0; }
 
     // Violation and barrier objective of a point whose values are known.
     Merit merit(const Point& at, const Values<Model>& values, const Vector& goal) const {
-        const double *s = at.s.data(), *c = values.rows.data();
-        const auto size = [](const Vector& vector) {
-            return total(vector.size(), [&](std::size_t i) { return std::abs(vector[i]); });
-        };
-        double violation = size(values.defects) + size(goal);
-        violation += total(at.s.size(), [&](std::size_t i) { return std::abs(c[i] - s[i]); });
-        const double logs = sum_of_logs(at.s.size(), [&](std::size_t i) { return s[i]; }) +
-                            sum_of_logs(bounds_.size(), [&](std::size_t i) { return bounds_[i].slack(at.v); });
+        Sum gaps;
+        Logarithms logarithms;
+        over_packs(at.s.size(), [&](auto zero, std::size_t i) {
+            using P = decltype(zero);
+            const P s = load<P>(&at.s[i]);
+            gaps.add(magnitude(load<P>(&values.rows[i]) - s)), logarithms.add(s);
+        });
+        over_packs(at.sb.size(), [&](auto zero, std::size_t i) { logarithms.add(load<decltype(zero)>(&at.sb[i])); });
+        double logs = 0;
+        if (logarithms.usable()) {
+            logs = logarithms.value();
+        } else {
+            for (double s : at.s) logs += std::log(s);
+            for (double s : at.sb) logs += std::log(s);
+        }
+        const double violation = gaps.value() + sum_of_magnitudes(values.defects.data(), values.defects.size()) +
+                                 sum_of_magnitudes(goal.data(), goal.size());
         return {violation, values.objective - mu_ * logs};
     }
 
@@ -237,16 +229,19 @@ class InteriorPoint : public Newton<Model> {
         const double time_step = step.v[layout_.time];
         sum += problem_.time_weight * time_step;
         sum += problem_.time_scaled ? time_step * energy + v[layout_.time] * energy_slope : energy_slope;
-        const double *s = point.s.data(), *ds = step.s.data();
-        sum -= mu_ * total(point.s.size(), [&](std::size_t i) { return ds[i] / s[i]; });
-        for (const Bound& bound : bounds_) sum -= mu_ * bound.side * step.v[bound.index] / bound.slack(point.v);
-        return sum;
+        return sum - mu_ * pace_.slope;
     }
 
     // trial_ = point + alpha step, with its values; multipliers are left alone.
     void make_trial(double alpha, const Point& step) {
-        for (std::size_t i = 0; i < point.v.size(); ++i) trial_.v[i] = point.v[i] + alpha * step.v[i];
-        for (int i = 0; i < layout_.rows; ++i) trial_.s[i] = point.s[i] + alpha * step.s[i];
+        const auto move = [&](const Vector& from, const Vector& by, Vector& to) {
+            over_packs(from.size(), [&](auto zero, std::size_t i) {
+                using P = decltype(zero);
+                store(P(load<P>(&from[i]) + alpha * load<P>(&by[i])), &to[i]);
+            });
+        };
+        move(point.v, step.v, trial_.v), move(point.s, step.s, trial_.s);
+        trial_.settle_bounds(bounds_);
         assembly_.evaluate(trial_.v.data(), trial_values_);
     }
 
@@ -267,7 +262,7 @@ class InteriorPoint : public Newton<Model> {
             smallest *= 0.05;
         }
         smallest = std::max(smallest, 1e-9);
-        alpha_ = longest_primal(step_), dual_alpha_ = longest_dual(step_);
+        alpha_ = longest(pace_.primal), dual_alpha_ = longest(pace_.dual);
         for (bool first = true; alpha_ > smallest; alpha_ *= 0.5, first = false) {
             ++record.trials;
             Merit reached{};
@@ -288,13 +283,13 @@ class InteriorPoint : public Newton<Model> {
         for (std::size_t i = 0; i < corrected_defects_.size(); ++i)
             corrected_defects_[i] = alpha_ * values_.defects[i] + trial_values_.defects[i];
         for (int i = 0; i < S::nx; ++i) corrected_goal_[i] += alpha_ * goal_residual_[i];
-        direction(corrected_rows_, corrected_defects_, corrected_goal_, other_);
-        const double alpha = longest_primal(other_);
+        const Pace pace = direction(corrected_rows_, corrected_defects_, corrected_goal_, other_);
+        const double alpha = longest(pace.primal);
         Merit reached{};
         if (!std::isfinite(alpha)) return {false, false};
         const Acceptance verdict = try_step(alpha, other_, from, descent, reached);
         if (verdict.accepted) {
-            alpha_ = alpha, dual_alpha_ = longest_dual(other_);
+            alpha_ = alpha, dual_alpha_ = longest(pace.dual);
             std::swap(step_, other_);
         }
         return verdict;
@@ -302,22 +297,24 @@ class InteriorPoint : public Newton<Model> {
 
     // Accept the trial point; multipliers move by their own step length and are kept near the central path.
     void update() {
-        std::swap(point.v, trial_.v), std::swap(point.s, trial_.s), std::swap(values_, trial_values_);
+        std::swap(point.v, trial_.v), std::swap(point.s, trial_.s), std::swap(point.sb, trial_.sb);
+        std::swap(values_, trial_values_);
         for (std::size_t i = 0; i < point.lam.size(); ++i) point.lam[i] += alpha_ * step_.lam[i];
         for (std::size_t i = 0; i < point.nu.size(); ++i) point.nu[i] += alpha_ * step_.nu[i];
-        for (int i = 0; i < layout_.rows; ++i) {
-            const double central = mu_ / point.s[i];
-            point.z[i] = std::clamp(point.z[i] + dual_alpha_ * step_.z[i], 1e-10 * central, 1e10 * central);
-        }
-        for (std::size_t i = 0; i < bounds_.size(); ++i) {
-            const double central = mu_ / bounds_[i].slack(point.v);
-            point.zb[i] = std::clamp(point.zb[i] + dual_alpha_ * step_.zb[i], 1e-10 * central, 1e10 * central);
-        }
+        const auto move = [&](const Vector& s, const Vector& dz, Vector& z) {
+            over_packs(s.size(), [&](auto zero, std::size_t i) {
+                using P = decltype(zero);
+                const P central = mu_ / load<P>(&s[i]), moved = load<P>(&z[i]) + dual_alpha_ * load<P>(&dz[i]);
+                store(P(smaller(larger(1e-10 * central, moved), 1e10 * central)), &z[i]);
+            });
+        };
+        move(point.s, step_.z, point.z), move(point.sb, step_.zb, point.zb);
     }
 
     Filter filter_;
     Options options_;
     Point trial_, step_, other_;
+    Pace pace_;  // of step_
     Values<Model> trial_values_;
     Vector corrected_rows_, corrected_defects_, corrected_goal_, samples_;
     double alpha_ = 0, dual_alpha_ = 0, large_violation_ = -1, small_violation_ = 0;

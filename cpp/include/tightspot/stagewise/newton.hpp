@@ -24,11 +24,12 @@ class Newton {
    public:
     explicit Newton(Problem problem)
         : problem_(std::move(problem)), layout_(layout_of(problem_, S::nx, S::nu)),
-          bounds_(bounds_of(problem_, layout_)), assembly_(problem_, layout_), sweep_(problem_, layout_) {
+          bounds_(bounds_of(problem_, layout_)), assembly_(problem_, layout_), sweep_(problem_, layout_, assembly_) {
         point.allocate(layout_, bounds_.size());
-        values_.allocate(problem_, layout_);
-        assembly_.allocate(gradient_), residual_.assign(layout_.line, 0);
-        for (Vector* rows : {&D_, &b_, &row_residual_}) rows->assign(layout_.rows, 0);
+        assembly_.allocate(values_);
+        assembly_.allocate(gradient_), residual_.assign(layout_.line, 0), free_residual_.assign(layout_.line, 0);
+        for (Vector* rows : {&D_, &b_, &row_residual_, &inverse_}) rows->assign(layout_.rows, 0);
+        bound_inverse_.assign(bounds_.size(), 0);
         bound_diagonal_.assign(layout_.line, 0), bound_gradient_.assign(layout_.line, 0);
         for (int i = 0; i < layout_.line; ++i) free_.push_back(fixed(i) ? 0.0 : 1.0);
         goal_residual_.assign(S::nx, 0);
@@ -44,6 +45,16 @@ class Newton {
     const std::vector<Bound>& bounds() const { return bounds_; }
     const Values<Model>& values() const { return values_; }
 
+    // Numbers of the rows in the problem's order (see Problem) from those in the solver's, and back.
+    Vector in_order(const Vector& of_rows) const {
+        Vector result(of_rows.size());
+        for (std::size_t i = 0; i < result.size(); ++i) result[i] = of_rows[assembly_.rows.place[i]];
+        return result;
+    }
+    void put_in_place(const Vector& in_order, Vector& of_rows) const {
+        for (std::size_t i = 0; i < in_order.size(); ++i) of_rows[assembly_.rows.place[i]] = in_order[i];
+    }
+
     // What bounds and fixed values add to the Lagrangian's gradient with respect to states, inputs and t_f.
     Vector bound_multipliers() const {
         Vector result(layout_.line, 0.0);
@@ -53,15 +64,11 @@ class Newton {
         return result;
     }
 
-    // The clearance demanded in each row at the last point evaluated.
+    // The clearance demanded in each row at the last point evaluated, in the problem's order.
     Vector demands() const {
         Vector result(layout_.rows, 0.0);
-        const int parts = problem_.parts.size();
-        for (int k = 0; k < problem_.steps; ++k) {
-            RowDemands visitor{values_.covers.data() + k * parts, result.data()};
-            visit_rows(problem_, layout_, point.v.data(), values_, k, visitor);
-        }
-        return result;
+        assembly_.row_demands(values_, result.data());
+        return in_order(result);
     }
 
     struct Lagrangian {
@@ -75,9 +82,11 @@ class Newton {
         assembly_.differentiate_all(point.v.data(), values_);
         std::fill(point.zb.begin(), point.zb.end(), 0.0);
         std::fill(point.s.begin(), point.s.end(), std::numeric_limits<double>::infinity());  // no barrier
+        weigh();
         lagrangian_gradient();
         Lagrangian out{residual_, Vector(n * n, 0.0)};
-        out.gradient.insert(out.gradient.end(), gradient_.lines.begin(), gradient_.lines.end());
+        for (int pair = 0; pair < static_cast<int>(problem_.pairs.size()); ++pair)
+            for (int which : {0, 1}) out.gradient.push_back(assembly_.line_force(gradient_, pair, which));
         for (int k = 0; k < problem_.steps; ++k) scatter(k, n, out.hessian);
         return out;
     }
@@ -88,51 +97,58 @@ class Newton {
         const double* v = point.v.data();
         assembly_.differentiate_all(v, values_);
         set_goal_residual(v, goal_residual_);
-        const double *c = values_.rows.data(), *slack = point.s.data();
-        for (int i = 0; i < layout_.rows; ++i) row_residual_[i] = c[i] - slack[i];
-        violation_ = std::max({magnitude(values_.defects), magnitude(goal_residual_), magnitude(row_residual_)});
-        const double scale = multiplier_scale();
-        stationarity_ = lagrangian_gradient() / scale;
-        scale_ = scale;
-        complementarity_ = complementarity(0) / scale;
+        weigh();
+        violation_ = std::max({size(values_.defects), size(goal_residual_), size(row_residual_)});
+        const double count = static_cast<double>(point.lam.size() + point.z.size() + point.zb.size());
+        const double multipliers = sum_of_magnitudes(point.lam.data(), point.lam.size()) + multipliers_;
+        scale_ = std::max(100.0, multipliers / std::max(count, 1.0)) / 100.0;
+        stationarity_ = lagrangian_gradient() / scale_;
+        complementarity_ = products_.most / scale_;
         Record record;
         record.iteration = iteration, record.objective = values_.objective, record.violation = violation_;
         record.stationarity = stationarity_, record.complementarity = complementarity_, record.barrier = mu_;
         return record;
     }
 
-    static double magnitude(const Vector& values) {
-        return largest_magnitude(values.size(), [&](std::size_t i) { return values[i]; });
-    }
+    static double size(const Vector& values) { return largest_magnitude(values.data(), values.size()); }
 
     void set_goal_residual(const double* v, Vector& out) const {
         for (int i = 0; i < S::nx; ++i)
             out[i] = std::isnan(problem_.goal[i]) ? 0 : v[layout_.x(problem_.steps) + i] - problem_.goal[i];
     }
 
-    double multiplier_scale() const {
-        const auto sum = [](const Vector& values) {
-            return total(values.size(), [&](std::size_t i) { return std::abs(values[i]); });
+    // Reciprocals, weights D = z/s, residuals c - s, and the products s z of rows and bounds.
+    void weigh() {
+        Sum products, multipliers;
+        Most most(0), least(-std::numeric_limits<double>::infinity());
+        const auto reciprocal = [&](auto s, auto z, double* inverse) {
+            const auto product = s * z, one = 1.0 / s;
+            products.add(product), multipliers.add(z), most.add(product), least.add(-product);
+            store(one, inverse);
+            return one;
         };
-        const double count = static_cast<double>(point.lam.size() + point.z.size() + point.zb.size());
-        return std::max(100.0, (sum(point.lam) + sum(point.z) + sum(point.zb)) / std::max(count, 1.0)) / 100.0;
-    }
-
-    double complementarity(double mu) const {
-        const double *s = point.s.data(), *z = point.z.data();
-        const double rows = largest_magnitude(point.s.size(), [&](std::size_t i) { return s[i] * z[i] - mu; });
-        const double bounds = largest_magnitude(
-            bounds_.size(), [&](std::size_t i) { return bounds_[i].slack(point.v) * point.zb[i] - mu; });
-        return std::isnan(rows) ? rows : std::max(rows, bounds);
+        over_packs(point.s.size(), [&](auto zero, std::size_t i) {
+            using P = decltype(zero);
+            const P s = load<P>(&point.s[i]), z = load<P>(&point.z[i]);
+            store(P(z * reciprocal(s, z, &inverse_[i])), &D_[i]);
+            store(P(load<P>(&values_.rows[i]) - s), &row_residual_[i]);
+        });
+        point.settle_bounds(bounds_);
+        over_packs(bounds_.size(), [&](auto zero, std::size_t i) {
+            using P = decltype(zero);
+            reciprocal(load<P>(&point.sb[i]), load<P>(&point.zb[i]), &bound_inverse_[i]);
+        });
+        const double sum = products.value();
+        products_ = {sum, -least.value(), std::isnan(sum) ? sum : most.value()};
+        multipliers_ = multipliers.value();
     }
 
     // Assembles the Hessian and fills residual_; returns its largest entry among free variables, lines included.
     double lagrangian_gradient() {
-        for (int i = 0; i < layout_.rows; ++i) D_[i] = point.z[i] / point.s[i];
         std::fill(bound_diagonal_.begin(), bound_diagonal_.end(), 0.0);
         std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
         for (std::size_t i = 0; i < bounds_.size(); ++i) {
-            bound_diagonal_[bounds_[i].index] += point.zb[i] / bounds_[i].slack(point.v);
+            bound_diagonal_[bounds_[i].index] += point.zb[i] * bound_inverse_[i];
             bound_gradient_[bounds_[i].index] -= bounds_[i].side * point.zb[i];
         }
         assembly_.set_hessian(point.v.data(), values_, D_.data(), point.z.data(), point.lam.data(),
@@ -153,8 +169,8 @@ class Newton {
             residual_[layout_.time] += a[S::nx];
             for (int i = 0; i < S::nu; ++i) residual_[layout_.u(k) + i] += a[S::nz + i];
         }
-        const auto free = [&](std::size_t i) { return free_[i] * residual_[i]; };
-        return std::max(largest_magnitude(residual_.size(), free), magnitude(gradient_.lines));
+        for (std::size_t i = 0; i < residual_.size(); ++i) free_residual_[i] = free_[i] * residual_[i];
+        return std::max(size(free_residual_), size(gradient_.forces.lines));
     }
 
     bool fixed(int index) const {
@@ -173,7 +189,8 @@ class Newton {
     // What of the system depends on mu.
     void set_system() {
         std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
-        for (const Bound& bound : bounds_) bound_gradient_[bound.index] -= bound.side * mu_ / bound.slack(point.v);
+        for (std::size_t i = 0; i < bounds_.size(); ++i)
+            bound_gradient_[bounds_[i].index] -= bounds_[i].side * mu_ * bound_inverse_[i];
     }
 
     // Factorises with at least the given regularisation; raises it until the reduced Hessian is positive definite.
@@ -191,27 +208,51 @@ class Newton {
         return true;
     }
 
+    // How fast a step uses up slacks and multipliers.
+    struct Pace {
+        double primal = 0, dual = 0;  // the largest -ds/s and -dz/z
+        double slope = 0;             // of the sum of the slacks' logarithms
+    };
+
     // The Newton step for the given residuals, by the factorisation at hand.
-    void direction(const Vector& rows, const Vector& defects, const Vector& goal, Point& step) {
-        const double* v = point.v.data();
-        const double mu = mu_, *s = point.s.data(), *z = point.z.data(), *D = D_.data(), *r = rows.data();
-        double *b = b_.data(), *ds = step.s.data(), *dz = step.z.data();
-        for (int i = 0; i < layout_.rows; ++i) b[i] = mu / s[i] - D[i] * r[i];
-        assembly_.set_gradient(v, values_, b_.data(), bound_gradient_.data(), gradient_);
+    Pace direction(const Vector& rows, const Vector& defects, const Vector& goal, Point& step) {
+        const double mu = mu_;
+        over_packs(rows.size(), [&](auto zero, std::size_t i) {
+            using P = decltype(zero);
+            store(P(mu * load<P>(&inverse_[i]) - load<P>(&D_[i]) * load<P>(&rows[i])), &b_[i]);
+        });
+        assembly_.set_gradient(point.v.data(), values_, b_.data(), bound_gradient_.data(), gradient_);
         sweep_.solve(assembly_, gradient_, defects.data(), goal.data(), point.nu.data(), goal_penalty, step.v.data(),
                      step.lam.data(), step.nu.data());
         for (std::size_t i = 0; i < step.lam.size(); ++i) step.lam[i] -= point.lam[i];
         for (std::size_t i = 0; i < step.nu.size(); ++i) step.nu[i] -= point.nu[i];
-        assembly_.row_steps(v, values_, step.v.data(), step.s.data());
-        for (int i = 0; i < layout_.rows; ++i) {
-            ds[i] += r[i];
-            dz[i] = (mu - z[i] * ds[i]) / s[i] - z[i];
-        }
-        for (std::size_t i = 0; i < bounds_.size(); ++i) {
-            const double move = bounds_[i].side * step.v[bounds_[i].index];
-            step.zb[i] = (mu_ - point.zb[i] * move) / bounds_[i].slack(point.v) - point.zb[i];
-        }
+        assembly_.row_steps(values_, step.v.data(), step.s.data());
+        for (std::size_t i = 0; i < bounds_.size(); ++i) step.sb[i] = bounds_[i].side * step.v[bounds_[i].index];
+        Most primal(0), dual(0);
+        Sum slope;
+        const auto multiplier = [&](auto ds, auto z, auto inverse) {
+            const auto rate = ds * inverse, dz = mu * inverse - z * rate - z;
+            primal.add(-rate), slope.add(rate), dual.add(-dz / z);
+            return dz;
+        };
+        over_packs(rows.size(), [&](auto zero, std::size_t i) {
+            using P = decltype(zero);
+            const P ds = load<P>(&step.s[i]) + load<P>(&rows[i]);
+            store(ds, &step.s[i]);
+            store(P(multiplier(ds, load<P>(&point.z[i]), load<P>(&inverse_[i]))), &step.z[i]);
+        });
+        over_packs(bounds_.size(), [&](auto zero, std::size_t i) {
+            using P = decltype(zero);
+            const P dz = multiplier(load<P>(&step.sb[i]), load<P>(&point.zb[i]), load<P>(&bound_inverse_[i]));
+            store(dz, &step.zb[i]);
+        });
+        return {primal.value(), dual.value(), slope.value()};
     }
+
+    // Of the products s z of rows and bounds.
+    struct Products {
+        double sum = 0, least = 0, most = 0;
+    };
 
     Problem problem_;
     Layout layout_;
@@ -220,8 +261,11 @@ class Newton {
     Sweep<Model> sweep_;
     Values<Model> values_;
     Gradient gradient_;
-    Vector residual_, D_, b_, row_residual_, bound_diagonal_, bound_gradient_, goal_residual_, free_;
+    Vector residual_, free_residual_, D_, b_, row_residual_, inverse_, bound_inverse_, bound_diagonal_, bound_gradient_;
+    Vector goal_residual_, free_;
+    Products products_;
     double mu_ = 0, violation_ = 0, stationarity_ = 0, complementarity_ = 0, scale_ = 1, last_regularisation_ = 0;
+    double multipliers_ = 0;  // sum of those of rows and bounds
 
    private:
     // Adds interval k's quadratic and its pairs' blocks to a full matrix.
@@ -230,12 +274,20 @@ class Newton {
         for (int i = 0; i < S::nx; ++i) index[i] = layout_.x(k) + i, index[S::na + i] = layout_.x(k + 1) + i;
         index[S::nx] = layout_.time;
         for (int i = 0; i < S::nu; ++i) index[S::nz + i] = layout_.u(k) + i;
-        const double* W = assembly_.stages.data() + k * S::nw * S::nw;
-        for (int i = 0; i < S::nw; ++i)
-            for (int j = 0; j < S::nw; ++j) full[index[i] * n + index[j]] += W[i * S::nw + j];
+        const StageQuadratic<Model>& stage = assembly_.stages[k];
+        for (int i = 0; i < S::na; ++i)
+            for (int j = 0; j < S::na; ++j) full[index[i] * n + index[j]] += stage.own[i * S::na + j];
+        for (int i = 0; i < S::nx; ++i) {
+            const std::size_t ahead = index[S::na + i] * n;
+            for (int j = 0; j < S::nx; ++j) full[ahead + index[S::na + j]] += stage.ahead[i * S::nx + j];
+            for (int j = 0; assembly_.coupled(k) && j < S::na; ++j) {
+                full[ahead + index[j]] += stage.mixed[i * S::na + j];
+                full[index[j] * n + index[S::na + i]] += stage.mixed[i * S::na + j];
+            }
+        }
         const int parts = problem_.parts.size();
         for (int p = layout_.pair[k * parts]; p < layout_.pair[(k + 1) * parts]; ++p) {
-            const PairBlock<Model>& pair = assembly_.pairs[p];
+            const PairBlock<Model> pair = assembly_.pair_block(p);
             const std::size_t phi = layout_.aux(p), mu = phi + 1;
             full[phi * n + phi] += pair.phi_phi, full[mu * n + mu] += pair.mu_mu;
             full[phi * n + mu] += pair.phi_mu, full[mu * n + phi] += pair.phi_mu;

@@ -51,11 +51,16 @@ struct Point {
     Vector v, s;            // variables; slacks of the rows
     Vector lam, nu;         // multipliers of dynamics and goal
     Vector z, zb;           // multipliers of rows and bounds
+    Vector sb;              // slacks of the bounds, by v alone: see settle_bounds
 
     void allocate(const Layout& layout, std::size_t bounds) {
         v.assign(layout.variables, 0), s.assign(layout.rows, 1);
         lam.assign(layout.steps * layout.nx, 0), nu.assign(layout.nx, 0);
-        z.assign(layout.rows, 1), zb.assign(bounds, 1);
+        z.assign(layout.rows, 1), zb.assign(bounds, 1), sb.assign(bounds, 1);
+    }
+
+    void settle_bounds(const std::vector<Bound>& bounds) {
+        for (std::size_t i = 0; i < bounds.size(); ++i) sb[i] = bounds[i].slack(v);
     }
 };
 

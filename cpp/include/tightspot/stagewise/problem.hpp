@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "tightspot/stagewise/pack.hpp"
+
 namespace tightspot::stagewise {
 
 using Vector = std::vector<double>;
@@ -71,18 +73,40 @@ struct Problem {
     bool free_time() const { return time_low < time_high; }
 };
 
+// Consecutive intervals with equally many pieces and substeps, at most `lanes`, whose motion is computed at once.
+struct Convoy {
+    int first, count, pieces, substeps;
+    int step;  // its first Runge-Kutta step among those of all convoys
+
+    int steps() const { return pieces * substeps; }
+};
+
 // Where things are in the flat vectors.
 struct Layout {
     int nx = 0, nu = 0, steps = 0;
     int input = 0, time = 0, line = 0, variables = 0;  // offsets into the variables; their number
     int rows = 0;
-    Indices sample, substep, row;             // first of each interval; N + 1 entries
+    Indices sample, row;                      // first of each interval; N + 1 entries
     Indices pair, wall;                       // first of each (interval, part); N * parts + 1 entries
+    std::vector<Convoy> convoys;
+    int convoy_steps = 0;
 
     int x(int k) const { return k * nx; }
     int u(int k) const { return input + k * nu; }
     int aux(int pair_index) const { return line + 2 * pair_index; }
 };
+
+inline void form_convoys(const Problem& problem, Layout& layout) {
+    for (int k = 0; k < problem.steps; ++k) {
+        Convoy* last = layout.convoys.empty() ? nullptr : &layout.convoys.back();
+        if (last && last->count < lanes && last->pieces == problem.pieces[k] && last->substeps == problem.substeps[k]) {
+            ++last->count;
+            continue;
+        }
+        layout.convoys.push_back({k, 1, problem.pieces[k], problem.substeps[k], layout.convoy_steps});
+        layout.convoy_steps += layout.convoys.back().steps();
+    }
+}
 
 inline Layout layout_of(const Problem& problem, int nx, int nu) {
     Layout layout;
@@ -92,13 +116,12 @@ inline Layout layout_of(const Problem& problem, int nx, int nu) {
     layout.time = layout.input + n * nu;
     layout.line = layout.time + 1;
     layout.variables = layout.line + 2 * static_cast<int>(problem.pairs.size());
-    layout.sample.assign(1, 0), layout.substep.assign(1, 0), layout.row.assign(1, 0);
+    layout.sample.assign(1, 0), layout.row.assign(1, 0);
     layout.pair.assign(1, 0), layout.wall.assign(1, 0);
     std::size_t pair = 0, wall = 0;
     for (int k = 0; k < n; ++k) {
         const int first = layout.sample.back(), samples = problem.pieces[k] + 1;
         layout.sample.push_back(first + samples);
-        layout.substep.push_back(layout.substep.back() + problem.pieces[k] * problem.substeps[k]);
         int wall_samples = 0, pair_samples = 0;
         for (int p = first; p < first + samples; ++p)
             wall_samples += problem.wall_demands[p].used, pair_samples += problem.pair_demands[p].used;
@@ -115,6 +138,7 @@ inline Layout layout_of(const Problem& problem, int nx, int nu) {
         }
         layout.row.push_back(layout.rows);
     }
+    form_convoys(problem, layout);
     return layout;
 }
 

@@ -1,151 +1,141 @@
-// What the rows of one interval contribute to the Newton system: -J' b for row weights b, and J' D J - sum z c''.
+// What the rows of a group contribute to the Newton system: -J' b for row weights b, and J' D J - sum z c''.
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "tightspot/stagewise/chain.hpp"
 #include "tightspot/stagewise/rows.hpp"
 
 namespace tightspot::stagewise {
 
-using Triple = std::array<double, 3>;
-using Sextuple = std::array<double, 6>;  // xx, xy, yy, x theta, y theta, theta theta
+// Where it goes. A gradient with respect to poses, covers and lines; lines hold packs (phi, mu) group by group.
+struct Forces {
+    Vector poses;   // 3 of each sample
+    Vector covers;  // by (interval, part)
+    Vector lines;
+
+    void clear() {
+        for (Vector* all : {&poses, &covers}) std::fill(all->begin(), all->end(), 0.0);
+    }
+};
+
+struct RowCurvature {
+    Vector poses;         // of each sample: xx, xy, yy, x theta, y theta, theta theta
+    Vector pose_covers;   // mixed derivatives of pose and cover, by (sample, part): 3
+    Vector covers;        // by (interval, part)
+    Vector blocks;        // of pairs, packs: phi phi, phi mu, mu mu, phi cover, mu cover, then of every sample phi and mu
+                          // with x, y, theta
+
+    void clear() {
+        for (Vector* all : {&poses, &pose_covers, &covers}) std::fill(all->begin(), all->end(), 0.0);
+    }
+};
 
 // Sums of b_i and of b_i t_i.
-template <class Rows>
-inline void sum(const Rows& rows, const double* b, double& b0, double& b1) {
-    over(rows.count, [&](auto count) {
-        for (int i = 0; i < count; ++i) b0 += b[i], b1 += b[i] * rows.t(i);
+template <class P, class Side>
+inline void sum(const Side& side, Reader<P>& b, P& b0, P& b1) {
+    b0 = b1 = 0.0;
+    over(side.count, [&](auto count) {
+        for (int i = 0; i < count; ++i) {
+            const P b_i = b.next();
+            b0 += b_i, b1 += b_i * side.t(i);
+        }
     });
 }
 
 // Sums of D_i, D_i t_i, D_i t_i^2, z_i, z_i t_i and z_i e_i.
+template <class P>
 struct Moments {
-    double s0 = 0, s1 = 0, s2 = 0, z0 = 0, z1 = 0, ze = 0;
+    P s0 = 0.0, s1 = 0.0, s2 = 0.0, z0 = 0.0, z1 = 0.0, ze = 0.0;
 
-    template <class Rows>
-    Moments(const Rows& rows, const double* D, const double* z) {
-        over(rows.count, [&](auto count) {
+    template <class Side>
+    Moments(const Side& side, Reader<P>& D, Reader<P>& z) {
+        over(side.count, [&](auto count) {
             for (int i = 0; i < count; ++i) {
-                const double t = rows.t(i), dt = D[i] * t;
-                s0 += D[i], s1 += dt, s2 += dt * t;
-                z0 += z[i], z1 += z[i] * t, ze += z[i] * rows.e(i);
+                const P t = side.t(i), D_i = D.next(), z_i = z.next(), Dt = D_i * t;
+                s0 += D_i, s1 += Dt, s2 += Dt * t;
+                z0 += z_i, z1 += z_i * t, ze += z_i * side.e(i);
             }
         });
     }
 };
 
-// Forces -J' b of the rows on the sample poses, the covers and the lines.
-struct RowForces {
-    const double* b;
-    Triple* poses;
-    double* covers;
-    double* lines;
-
-    void body(const BodyRows& rows) {
-        double b0 = 0, b1 = 0;
-        sum(rows, b + rows.row, b0, b1);
-        Triple& pose = poses[rows.sample];
-        pose[0] -= rows.nx * b0, pose[1] -= rows.ny * b0, pose[2] += b1;
-        covers[rows.part] += rows.weight * b0;
-        if (rows.pair < 0) return;
-        lines[2 * rows.pair] -= rows.across * b0 + b1;
-        lines[2 * rows.pair + 1] += b0;
+// Adds the forces -J' b of a group; the lines' are set.
+template <class P, class Model>
+void row_forces(const RowContext<Model>& context, const RowGroup& group, const Values<Model>& at, const double* b,
+                Forces& out) {
+    Reader<P> geometry{at.geometry.data() + group.geometry}, weights{b + group.row};
+    const P nx = geometry.next(), ny = geometry.next();
+    P b0, b1, phi = 0.0, mu = 0.0, cover = 0.0;
+    if (!group.wall()) {
+        sum(ObstacleSide<P>{context.numbers(group) + 4 * lane_count<P>, group.corners, nx, ny}, weights, b0, b1);
+        phi = b1, mu = -b0;
+        if (group.covered) cover = context.template side_weight<P>(group) * b0;
     }
-    void obstacle(const ObstacleRows& rows) {
-        double b0 = 0, b1 = 0;
-        sum(rows, b + rows.row, b0, b1);
-        covers[rows.part] += rows.weight * b0;
-        lines[2 * rows.pair] = b1;
-        lines[2 * rows.pair + 1] = -b0;
+    for (int s = 0; s < group.samples; ++s) {
+        const P cosine = geometry.next(), sine = geometry.next(), forward = geometry.next(), across = geometry.next();
+        static_cast<void>(forward);
+        sum(context.body(group, cosine, sine), weights, b0, b1);
+        const P pose[3] = {-nx * b0, -ny * b0, b1};
+        scatter_add(pose, out.poses.data(), context.samples(group, s), 3);
+        phi -= across * b0 + b1, mu += b0;
+        if (group.covered) cover += context.template weight<P>(group, s) * b0;
     }
-    void end_pair(int, int) {}
-    void end_part(int) {}
-};
+    if (group.covered) {
+        const P covers[1] = {cover};
+        scatter_add(covers, out.covers.data() + group.part, context.intervals(group), context.problem.parts.size());
+    }
+    if (group.wall()) return;
+    store(phi, out.lines.data() + 2 * group.line), store(mu, out.lines.data() + 2 * group.line + lane_count<P>);
+}
 
-// A pair's block of the Hessian: of (phi, mu) itself, and its rows of mixed derivatives with w.
-template <class Model>
-struct PairBlock {
-    double phi_phi, phi_mu, mu_mu;
-    double phi[Sizes<Model>::nw], mu[Sizes<Model>::nw];
-};
-
-template <class Model>
-struct RowHessian {
-    using S = Sizes<Model>;
-    const double *D, *z;
-    Chain<Model> chain;
-    const double* cover_gradients;  // of the interval's parts, nw each
-    Sextuple* blocks;               // of the sample poses
-    Triple* forces;                 // -J' z on the sample poses
-    double* cover_forces;           // -J' z on the covers
-    double* lines;                  // -J' z on the lines
-    double* W;
-    PairBlock<Model>* pairs;
-    double cover_cover = 0, phi_cover = 0, mu_cover = 0;
-    double cover_row[S::nw] = {};  // mixed derivatives of the current part's cover with w, by way of the poses
-
-    void body(const BodyRows& rows) {
-        const auto [s0, s1, s2, z0, z1, ze] = Moments(rows, D + rows.row, z + rows.row);
-        const double nx = rows.nx, ny = rows.ny, kappa = rows.weight;
-        Sextuple& h = blocks[rows.sample];
-        h[0] += s0 * nx * nx, h[1] += s0 * nx * ny, h[2] += s0 * ny * ny;
-        h[3] -= s1 * nx, h[4] -= s1 * ny, h[5] += s2 + ze;
-        Triple& force = forces[rows.sample];
-        force[0] -= nx * z0, force[1] -= ny * z0, force[2] += z1;
-        if (kappa != 0) {
-            const double mixed[3] = {-kappa * s0 * nx, -kappa * s0 * ny, kappa * s1};
-            chain.add(rows.sample, mixed, cover_row);
-            cover_cover += kappa * kappa * s0;
-            cover_forces[rows.part] += kappa * z0;
+// Adds a group's curvature, and its forces -J' z.
+template <class P, class Model>
+void row_curvature(const RowContext<Model>& context, const RowGroup& group, const Values<Model>& at, const double* D_,
+                   const double* z_, Forces& forces, RowCurvature& out) {
+    Reader<P> geometry{at.geometry.data() + group.geometry}, D{D_ + group.row}, z{z_ + group.row};
+    const int parts = context.problem.parts.size();
+    const P nx = geometry.next(), ny = geometry.next();
+    P phi = 0.0, mu = 0.0, cover = 0.0, cover_cover = 0.0;
+    P phi_phi = 0.0, phi_mu = 0.0, mu_mu = 0.0, phi_cover = 0.0, mu_cover = 0.0;
+    if (!group.wall()) {
+        const Moments<P> sums(ObstacleSide<P>{context.numbers(group) + 4 * lane_count<P>, group.corners, nx, ny}, D, z);
+        const P kappa = context.template side_weight<P>(group);
+        phi = sums.z1, mu = -sums.z0, cover = kappa * sums.z0, cover_cover = kappa * kappa * sums.s0;
+        phi_phi = sums.s2 - sums.ze, phi_mu = -sums.s1, mu_mu = sums.s0;
+        phi_cover = kappa * sums.s1, mu_cover = -kappa * sums.s0;
+    }
+    Writer<P> block{out.blocks.data() + group.block + 5 * lane_count<P>};
+    for (int s = 0; s < group.samples; ++s) {
+        const P cosine = geometry.next(), sine = geometry.next(), forward = geometry.next(), across = geometry.next();
+        const auto [s0, s1, s2, z0, z1, ze] = Moments<P>(context.body(group, cosine, sine), D, z);
+        const int* samples = context.samples(group, s);
+        const P own[6] = {s0 * nx * nx, s0 * nx * ny, s0 * ny * ny, -s1 * nx, -s1 * ny, s2 + ze};
+        const P force[3] = {-nx * z0, -ny * z0, z1};
+        scatter_add(own, out.poses.data(), samples, 6), scatter_add(force, forces.poses.data(), samples, 3);
+        const P kappa = context.template weight<P>(group, s);
+        if (group.covered) {
+            const P mixed[3] = {-kappa * s0 * nx, -kappa * s0 * ny, kappa * s1};
+            scatter_add(mixed, out.pose_covers.data() + 3 * group.part, samples, 3 * parts);
+            cover += kappa * z0, cover_cover += kappa * kappa * s0;
         }
-        if (rows.pair < 0) return;
-        PairBlock<Model>& pair = pairs[rows.pair];
-        lines[2 * rows.pair] -= rows.across * z0 + z1;
-        lines[2 * rows.pair + 1] += z0;
-        const double a = rows.across, sa = s0 * a + s1;
-        pair.phi_phi += s0 * a * a + 2 * a * s1 + s2 + z0 * rows.forward + ze;
-        pair.phi_mu -= sa;
-        pair.mu_mu += s0;
-        const double phi[3] = {nx * sa + z0 * ny, ny * sa - z0 * nx, -(s1 * a + s2) - ze};
-        const double mu[3] = {-s0 * nx, -s0 * ny, s1};
-        chain.add(rows.sample, phi, pair.phi);
-        chain.add(rows.sample, mu, pair.mu);
-        phi_cover -= kappa * sa;
-        mu_cover += kappa * s0;
+        if (group.wall()) continue;
+        const P sa = s0 * across + s1;
+        phi -= across * z0 + z1, mu += z0;
+        phi_phi += (s0 * across + 2.0 * s1) * across + s2 + z0 * forward + ze, phi_mu -= sa, mu_mu += s0;
+        phi_cover -= kappa * sa, mu_cover += kappa * s0;
+        block.put(nx * sa + z0 * ny), block.put(ny * sa - z0 * nx), block.put(-(s1 * across + s2) - ze);
+        block.put(-s0 * nx), block.put(-s0 * ny), block.put(s1);
     }
-
-    void obstacle(const ObstacleRows& rows) {
-        const Moments sums(rows, D + rows.row, z + rows.row);
-        const double s0 = sums.s0, s1 = sums.s1, s2 = sums.s2, z0 = sums.z0, ze = sums.ze;
-        PairBlock<Model>& pair = pairs[rows.pair];
-        lines[2 * rows.pair] = sums.z1, lines[2 * rows.pair + 1] = -z0;
-        pair.phi_phi = s2 - ze, pair.phi_mu = -s1, pair.mu_mu = s0;
-        for (int i = 0; i < S::nw; ++i) pair.phi[i] = pair.mu[i] = 0;
-        const double kappa = rows.weight;
-        phi_cover = kappa * s1, mu_cover = -kappa * s0;
-        cover_cover += kappa * kappa * s0;
-        cover_forces[rows.part] += kappa * z0;
+    if (group.covered) {
+        const P own[1] = {cover_cover}, force[1] = {cover};
+        const int* intervals = context.intervals(group);
+        scatter_add(own, out.covers.data() + group.part, intervals, parts);
+        scatter_add(force, forces.covers.data() + group.part, intervals, parts);
     }
-
-    void end_pair(int part, int index) {
-        if (phi_cover == 0 && mu_cover == 0) return;
-        const double* gradient = cover_gradients + part * S::nw;
-        PairBlock<Model>& pair = pairs[index];
-        for (int i = 0; i < S::nw; ++i) pair.phi[i] += phi_cover * gradient[i], pair.mu[i] += mu_cover * gradient[i];
-    }
-
-    void end_part(int part) {
-        if (cover_cover == 0) return;
-        const double* gradient = cover_gradients + part * S::nw;
-        for (int i = 0; i < S::nw; ++i) {
-            const double own = cover_cover * gradient[i] + cover_row[i];
-            for (int j = 0; j < S::nw; ++j) W[i * S::nw + j] += own * gradient[j] + gradient[i] * cover_row[j];
-        }
-        for (double& entry : cover_row) entry = 0;
-        cover_cover = 0;
-    }
-};
+    if (group.wall()) return;
+    store(phi, forces.lines.data() + 2 * group.line), store(mu, forces.lines.data() + 2 * group.line + lane_count<P>);
+    block = {out.blocks.data() + group.block};
+    block.put(phi_phi), block.put(phi_mu), block.put(mu_mu), block.put(phi_cover), block.put(mu_cover);
+}
 
 }  // namespace tightspot::stagewise

@@ -1,11 +1,15 @@
-// The inequality rows of an interval, visited block by block in their order: every row is a vertex against a line.
+// The inequality rows, group by group: every row is a vertex against a line.
+//
+// A body's vertex r_i at a sample pose (T, R) against n . q = offset (a pair's mu, or a wall's with inward normal):
+// along + e_i - demand >= 0 with along = n . T - offset, e_i = n . R r_i, t_i = -de_i/dtheta. An obstacle's vertex O_j
+// against its pair's line: mu - e_j - demand >= 0 with e_j = n . O_j, t_j = de_j/dphi. Points of a pair are relative to
+// its origin.
 #pragma once
 
-#include <array>
 #include <type_traits>
 
 #include "tightspot/stagewise/motion.hpp"
-#include "tightspot/stagewise/problem.hpp"
+#include "tightspot/stagewise/row_groups.hpp"
 
 namespace tightspot::stagewise {
 
@@ -18,166 +22,150 @@ inline void over(int count, Loop&& loop) {
         loop(count);
 }
 
-// The vertices r_i of a body part at one sample pose T, R against a line n . q = offset (a pair's, or a wall's with
-// inward normal). Row i: along + e_i - weight * cover >= 0 with e_i = n . R r_i.
-struct BodyRows {
-    int part, sample, pair, row, count;  // sample: within the interval; pair: -1 for a wall
+// The vertices of a body part seen in the direction n, R' n = (cos, sin).
+template <class P>
+struct BodySide {
     const double *x, *y;
-    double nx, ny;    // n
-    double cos, sin;  // R' n, so that e_i = cos x_i + sin y_i, and -de_i/dtheta = t_i = cos y_i - sin x_i
-    double along;     // n . (T - origin) - offset - constant demand
-    double forward;   // n . (T - origin)
-    double across;    // its derivative with respect to phi
-    double weight;
-    double demand;    // constant demand
+    int count;
+    P cos, sin;
 
-    double e(int i) const { return cos * x[i] + sin * y[i]; }
-    double t(int i) const { return cos * y[i] - sin * x[i]; }
+    P e(int i) const { return cos * x[i] + sin * y[i]; }
+    P t(int i) const { return cos * y[i] - sin * x[i]; }
 };
 
-// The vertices O_j of an obstacle part against its pair's line. Row j: mu - side - e_j - weight * cover >= 0.
-struct ObstacleRows {
-    int part, pair, row, count;
-    const double *x, *y;
-    double nx, ny, ox, oy;
-    double along;  // mu - side
-    double weight;
-    double demand;  // side
+// Those of the obstacle parts; `at` holds packs x_0, y_0, x_1, ...
+template <class P>
+struct ObstacleSide {
+    const double* at;
+    int count;
+    P nx, ny;
 
-    double e(int j) const { return nx * (x[j] - ox) + ny * (y[j] - oy); }
-    double t(int j) const { return nx * (y[j] - oy) - ny * (x[j] - ox); }
+    P x(int j) const { return load<P>(at + 2 * j * lane_count<P>); }
+    P y(int j) const { return load<P>(at + (2 * j + 1) * lane_count<P>); }
+    P e(int j) const { return nx * x(j) + ny * y(j); }
+    P t(int j) const { return nx * y(j) - ny * x(j); }
 };
 
-inline BodyRows body_rows(const SamplePose& pose, double nx, double ny, double ox, double oy) {
-    BodyRows rows{};
-    const double x = pose.x - ox, y = pose.y - oy;
-    rows.nx = nx, rows.ny = ny;
-    rows.cos = nx * pose.cos + ny * pose.sin;
-    rows.sin = ny * pose.cos - nx * pose.sin;
-    rows.along = rows.forward = nx * x + ny * y;
-    rows.across = nx * y - ny * x;
-    return rows;
-}
+// What values and derivatives of one group need, and where it is: the numbers that do not change, and the geometry that
+// `row_values` leaves, packs of the normal (x, y) and of (cos, sin, n . T, its derivative with respect to phi) of every
+// sample.
+template <class Model>
+struct RowContext {
+    const Problem& problem;
+    const Layout& layout;
+    const RowGroups& table;
 
-// Calls visitor.body(BodyRows), visitor.obstacle(ObstacleRows), visitor.end_pair(part, pair), visitor.end_part(part).
-template <class Model, class Visitor>
-void visit_rows(const Problem& problem, const Layout& layout, const double* v, const Values<Model>& at, int k,
-                Visitor& visitor) {
-    const int parts = problem.parts.size(), first = layout.sample[k], samples = layout.sample[k + 1] - first;
-    int row = layout.row[k];
-    const SamplePose* poses = at.poses.data() + first;
-    for (int part = 0; part < parts; ++part) {
-        const int count = problem.parts.count(part), at_part = k * parts + part;
-        const auto finish = [&](BodyRows& rows, int sample, int pair, const Demand& demand, double offset) {
-            rows.part = part, rows.sample = sample, rows.pair = pair, rows.row = row, rows.count = count;
-            rows.x = problem.parts.x.data() + problem.parts.first[part];
-            rows.y = problem.parts.y.data() + problem.parts.first[part];
-            rows.along -= offset + demand.constant;
-            rows.weight = demand.weight, rows.demand = demand.constant;
-            visitor.body(rows);
-            row += count;
-        };
-        if (layout.wall[at_part] < layout.wall[at_part + 1])
-            for (int p = 0; p < samples; ++p) {
-                const Demand& demand = problem.wall_demands[first + p];
-                if (!demand.used) continue;
-                for (int i = layout.wall[at_part]; i < layout.wall[at_part + 1]; ++i) {
-                    const Wall& wall = problem.walls[i];
-                    BodyRows rows = body_rows(poses[p], -wall.normal[0], -wall.normal[1], 0, 0);
-                    finish(rows, p, -1, demand, -wall.offset);
-                }
-            }
-        for (int i = layout.pair[at_part]; i < layout.pair[at_part + 1]; ++i) {
-            const Pair& pair = problem.pairs[i];
-            const double nx = at.normals[2 * i], ny = at.normals[2 * i + 1], mu = v[layout.aux(i) + 1];
-            const int corners = problem.obstacles.count(pair.obstacle);
-            const int at_obstacle = problem.obstacles.first[pair.obstacle];
-            visitor.obstacle(ObstacleRows{part, i, row, corners, problem.obstacles.x.data() + at_obstacle,
-                                          problem.obstacles.y.data() + at_obstacle, nx, ny, pair.origin[0],
-                                          pair.origin[1], mu - pair.obstacle_side, pair.obstacle_weight,
-                                          pair.obstacle_side});
-            row += corners;
-            for (int p = 0; p < samples; ++p) {
-                const Demand& demand = problem.pair_demands[first + p];
-                if (!demand.used) continue;
-                BodyRows rows = body_rows(poses[p], nx, ny, pair.origin[0], pair.origin[1]);
-                finish(rows, p, i, demand, mu);
-            }
-            visitor.end_pair(part, i);
-        }
-        visitor.end_part(part);
+    template <class P>
+    BodySide<P> body(const RowGroup& group, P cos, P sin) const {
+        const int first = problem.parts.first[group.part];
+        return {problem.parts.x.data() + first, problem.parts.y.data() + first, problem.parts.count(group.part), cos, sin};
     }
-}
+    const double* numbers(const RowGroup& group) const { return table.numbers.data() + group.number; }
+    const int* intervals(const RowGroup& group) const { return table.intervals.data() + group.line; }
+    const int* pairs(const RowGroup& group) const { return table.line_pairs.data() + group.line; }
+    const int* samples(const RowGroup& group, int s) const {
+        return table.samples.data() + group.sample + s * group.width;
+    }
+    // The demands' weights of the covers: of the obstacle's side and of a sample.
+    template <class P>
+    P side_weight(const RowGroup& group) const {
+        return load<P>(numbers(group) + 3 * lane_count<P>);
+    }
+    template <class P>
+    P weight(const RowGroup& group, int s) const {
+        const int before = group.wall() ? 3 : 4 + 2 * group.corners;
+        return load<P>(numbers(group) + (before + 2 * s + 1) * lane_count<P>);
+    }
+    // The groups' covers or steps of covers, from numbers by (interval, part).
+    template <class P>
+    P cover(const RowGroup& group, const double* covers) const {
+        return group.covered ? gather<P>(covers + group.part, intervals(group), problem.parts.size()) : P(0.0);
+    }
+};
 
-// Values of the rows.
-struct RowValues {
-    const double* covers;  // of the interval's parts
-    double* out;
-
-    void body(const BodyRows& rows) {
-        const double along = rows.along - rows.weight * covers[rows.part];
-        double* to = out + rows.row;
-        over(rows.count, [&](auto count) {
-            for (int i = 0; i < count; ++i) to[i] = along + rows.e(i);
+// Values of a group's rows, and their geometry.
+template <class P, class Model>
+void row_values(const RowContext<Model>& context, const RowGroup& group, const double* v, Values<Model>& out) {
+    Reader<P> numbers{context.numbers(group)};
+    Writer<P> geometry{out.geometry.data() + group.geometry}, rows{out.rows.data() + group.row};
+    const P cover = context.template cover<P>(group, out.covers.data());
+    const P first = numbers.next(), second = numbers.next(), third = numbers.next();
+    P nx = first, ny = second, offset = third, ox = 0.0, oy = 0.0;
+    if (!group.wall()) {
+        const int* pairs = context.pairs(group);
+        const double* line = v + context.layout.line;
+        sine_cosine(gather<P>(line, pairs, 2), ny, nx);
+        ox = first, oy = second, offset = gather<P>(line + 1, pairs, 2);
+        const P along = offset - third - numbers.next() * cover;
+        const ObstacleSide<P> side{numbers.at, group.corners, nx, ny};
+        over(side.count, [&](auto count) {
+            for (int j = 0; j < count; ++j) rows.put(along - side.e(j));
+        });
+        numbers.at += 2 * group.corners * lane_count<P>;
+    }
+    geometry.put(nx), geometry.put(ny);
+    for (int s = 0; s < group.samples; ++s) {
+        const int* samples = context.samples(group, s);
+        const double* poses = out.poses.data();
+        constexpr int stride = Values<Model>::pose;
+        const P x = gather<P>(poses, samples, stride) - ox, y = gather<P>(poses + 1, samples, stride) - oy;
+        const P cosine = gather<P>(poses + 2, samples, stride), sine = gather<P>(poses + 3, samples, stride);
+        const P forward = nx * x + ny * y, constant = numbers.next(), weight = numbers.next();
+        const BodySide<P> side = context.body(group, P(nx * cosine + ny * sine), P(ny * cosine - nx * sine));
+        geometry.put(side.cos), geometry.put(side.sin), geometry.put(forward), geometry.put(nx * y - ny * x);
+        const P along = forward - offset - constant - weight * cover;
+        over(side.count, [&](auto count) {
+            for (int i = 0; i < count; ++i) rows.put(along + side.e(i));
         });
     }
-    void obstacle(const ObstacleRows& rows) {
-        const double along = rows.along - rows.weight * covers[rows.part];
-        double* to = out + rows.row;
-        over(rows.count, [&](auto count) {
-            for (int j = 0; j < count; ++j) to[j] = along - rows.e(j);
-        });
-    }
-    void end_pair(int, int) {}
-    void end_part(int) {}
-};
+}
 
 // The clearance demanded in each row.
-struct RowDemands {
-    const double* covers;
-    double* out;
-
-    void body(const BodyRows& rows) {
-        for (int i = 0; i < rows.count; ++i) out[rows.row + i] = rows.demand + rows.weight * covers[rows.part];
+template <class P, class Model>
+void row_demands(const RowContext<Model>& context, const RowGroup& group, const Values<Model>& at, double* out) {
+    Reader<P> numbers{context.numbers(group) + 2 * lane_count<P>};
+    Writer<P> rows{out + group.row};
+    const P cover = context.template cover<P>(group, at.covers.data()), third = numbers.next();
+    if (!group.wall()) {
+        const P demand = third + numbers.next() * cover;
+        for (int j = 0; j < group.corners; ++j) rows.put(demand);
+        numbers.at += 2 * group.corners * lane_count<P>;
     }
-    void obstacle(const ObstacleRows& rows) {
-        for (int j = 0; j < rows.count; ++j) out[rows.row + j] = rows.demand + rows.weight * covers[rows.part];
+    for (int s = 0; s < group.samples; ++s) {
+        const P constant = numbers.next(), demand = constant + numbers.next() * cover;
+        for (int i = 0; i < context.problem.parts.count(group.part); ++i) rows.put(demand);
     }
-    void end_pair(int, int) {}
-    void end_part(int) {}
-};
+}
 
-// Steps of the rows, J dv, from the steps of the sample poses, covers and lines.
-struct RowSteps {
-    const std::array<double, 3>* poses;
-    const double* covers;
-    const double* lines;  // (dphi, dmu) of each pair
-    double* out;
-
-    void body(const BodyRows& rows) {
-        const std::array<double, 3>& pose = poses[rows.sample];
-        double along = rows.nx * pose[0] + rows.ny * pose[1] - rows.weight * covers[rows.part], turn = -pose[2];
-        if (rows.pair >= 0) {
-            const double* line = lines + 2 * rows.pair;
-            along += rows.across * line[0] - line[1];
-            turn += line[0];
-        }
-        double* to = out + rows.row;
-        over(rows.count, [&](auto count) {
-            for (int i = 0; i < count; ++i) to[i] = along + turn * rows.t(i);
+// Steps of the rows, J dv, from the steps of the sample poses (3 each), covers and lines (phi, mu of each pair).
+template <class P, class Model>
+void row_steps(const RowContext<Model>& context, const RowGroup& group, const Values<Model>& at, const double* poses,
+               const double* covers, const double* lines, double* out) {
+    Reader<P> geometry{at.geometry.data() + group.geometry};
+    Writer<P> rows{out + group.row};
+    const P cover = context.template cover<P>(group, covers), nx = geometry.next(), ny = geometry.next();
+    P dphi = 0.0, dmu = 0.0;
+    if (!group.wall()) {
+        const int* pairs = context.pairs(group);
+        dphi = gather<P>(lines, pairs, 2), dmu = gather<P>(lines + 1, pairs, 2);
+        const P along = dmu - context.template side_weight<P>(group) * cover;
+        const ObstacleSide<P> side{context.numbers(group) + 4 * lane_count<P>, group.corners, nx, ny};
+        over(side.count, [&](auto count) {
+            for (int j = 0; j < count; ++j) rows.put(along - dphi * side.t(j));
         });
     }
-    void obstacle(const ObstacleRows& rows) {
-        const double* line = lines + 2 * rows.pair;
-        const double along = line[1] - rows.weight * covers[rows.part];
-        double* to = out + rows.row;
-        const double turn = line[0];
-        over(rows.count, [&](auto count) {
-            for (int j = 0; j < count; ++j) to[j] = along - turn * rows.t(j);
+    for (int s = 0; s < group.samples; ++s) {
+        const int* samples = context.samples(group, s);
+        const P cosine = geometry.next(), sine = geometry.next(), forward = geometry.next(), across = geometry.next();
+        static_cast<void>(forward);
+        const BodySide<P> side = context.body(group, cosine, sine);
+        const P along = nx * gather<P>(poses, samples, 3) + ny * gather<P>(poses + 1, samples, 3) + across * dphi - dmu -
+                        context.template weight<P>(group, s) * cover;
+        const P turn = dphi - gather<P>(poses + 2, samples, 3);
+        over(side.count, [&](auto count) {
+            for (int i = 0; i < count; ++i) rows.put(along + turn * side.t(i));
         });
     }
-    void end_pair(int, int) {}
-    void end_part(int) {}
-};
+}
 
 }  // namespace tightspot::stagewise
