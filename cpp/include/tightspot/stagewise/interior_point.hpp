@@ -23,7 +23,7 @@ class InteriorPoint : public Newton<Model> {
     using Base::problem_, Base::products_, Base::row_residual_, Base::scale_, Base::set_goal_residual, Base::set_system;
     using Base::stationarity_, Base::values_, Base::violation_;
     using Pace = typename Base::Pace;
-    static constexpr double first_regularisation = 3;  // keeps the first steps short; falls threefold each iteration
+    static constexpr double first_regularisation = 0.3;  // keeps the first steps short; falls threefold each iteration
     static constexpr int patience = 60;  // iterations without progress at a feasible point
     static constexpr double smallest_barrier_of_tolerance = 0.1;
 
@@ -116,7 +116,7 @@ class InteriorPoint : public Newton<Model> {
             v[bound.index] = inside(v[bound.index], low, high, options_.bound_push);
         }
         assembly_.evaluate(v.data(), values_);
-        if (!(mu_ > 0)) mu_ = std::clamp(1e-3 * values_.objective, 1e-6, 0.1);
+        if (!(mu_ > 0)) mu_ = std::clamp(values_.objective, 1e-6, 1e-2);
         for (int i = 0; i < layout_.rows; ++i) {
             point.s[i] = std::max(values_.rows[i], options_.bound_push);
             const double central = mu_ / point.s[i];
@@ -142,7 +142,7 @@ class InteriorPoint : public Newton<Model> {
         return bound.side > 0 ? problem_.input_high[input] : problem_.input_low[input];
     }
 
-    // Free mode, LOQO's rule (Vanderbei and Shanno 1999): a tenth of the mean complementarity, less the more alike all
+    // Free mode, LOQO's rule (Vanderbei and Shanno 1999): a share of the mean complementarity, less the more alike all
     // products are, more if the smallest lags behind; never far below what stationarity calls for.
     void update_barrier(int iteration) {
         const std::size_t rows = point.s.size(), bounds = bounds_.size();
@@ -150,7 +150,7 @@ class InteriorPoint : public Newton<Model> {
         const double mean = products_.sum / static_cast<double>(rows + bounds), least = products_.least;
         const double evenness = std::max(least / mean, 1e-4);
         const double lag = std::min(0.05 * (1 - evenness) / evenness, 2.0);
-        double wanted = std::max(0.08 * lag * lag * lag * mean, 1e-2 * mean);
+        double wanted = std::max(0.04 * lag * lag * lag * mean, 1e-2 * mean);
         wanted = std::max(wanted, std::min(mu_, 5e-3 * stationarity_));
         wanted = std::clamp(wanted, smallest_barrier_of_tolerance * options_.tolerance, 10 * mu_);
         if (wanted == mu_) return;
@@ -232,7 +232,8 @@ class InteriorPoint : public Newton<Model> {
         return sum - mu_ * pace_.slope;
     }
 
-    // trial_ = point + alpha step, with its values; multipliers are left alone.
+    // trial_ = point + alpha step, with its values; multipliers are left alone. Where a row has more room than its slack
+    // says, the slack takes it: that lowers both the violation and the barrier objective.
     void make_trial(double alpha, const Point& step) {
         const auto move = [&](const Vector& from, const Vector& by, Vector& to) {
             over_packs(from.size(), [&](auto zero, std::size_t i) {
@@ -243,6 +244,7 @@ class InteriorPoint : public Newton<Model> {
         move(point.v, step.v, trial_.v), move(point.s, step.s, trial_.s);
         trial_.settle_bounds(bounds_);
         assembly_.evaluate(trial_.v.data(), trial_values_);
+        for (int i = 0; i < layout_.rows; ++i) trial_.s[i] = std::max(trial_.s[i], trial_values_.rows[i]);
     }
 
     Acceptance try_step(double alpha, const Point& step, const Merit& from, double descent, Merit& reached) {

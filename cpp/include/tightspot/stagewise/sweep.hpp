@@ -50,13 +50,13 @@ class Sweep {
         for (int i = 0; i < nx; ++i)
             if (!std::isnan(problem_.goal[i])) P[i * (nz + 1)] = goal_penalty + regularisation;
             else P[i * (nz + 1)] = regularisation;
-        eliminate_uncoupled(assembly, regularisation);
+        eliminate_uncoupled(assembly);
         for (int k = problem_.steps - 1; k >= 0; --k) {
             const double* F = assembly.sensitivities.end.data() + k * nx * na;
             bool done;
             if (assembly.coupled(k)) {
                 StageQuadratic<Model> stage = assembly.stages[k];
-                eliminate_lines(assembly, k, regularisation, stage);
+                eliminate_lines(assembly, k, stage);
                 done = step_back<true>(stage, F, regularisation, P, factors_[k]);
             } else {
                 add_pose_block(eliminated_.data() + 6 * k, P, nz);
@@ -102,13 +102,13 @@ class Sweep {
         });
     }
 
-    void eliminate_uncoupled(const Assembly<Model>& assembly, double regularisation) {
+    void eliminate_uncoupled(const Assembly<Model>& assembly) {
         std::fill(eliminated_.begin(), eliminated_.end(), 0.0);
         over_uncoupled(assembly, [&](auto zero, const RowGroup& group, const double* at) {
             using P = decltype(zero);
             Reader<P> block{at};
             const P a = block.next(), b = block.next(), d = block.next();
-            const LineInverse<P> inverse = invert_line<P>(a + regularisation, b, d + regularisation);
+            const LineInverse<P> inverse = invert_line<P>(a, b, d);
             Writer<P> kept{inverses_.data() + 3 * group.line};
             kept.put(inverse.phi_phi), kept.put(inverse.phi_mu), kept.put(inverse.mu_mu);
             block.at += 2 * lane_count<P>;
@@ -125,12 +125,12 @@ class Sweep {
         });
     }
 
-    void eliminate_lines(const Assembly<Model>& assembly, int k, double regularisation, StageQuadratic<Model>& stage) {
+    void eliminate_lines(const Assembly<Model>& assembly, int k, StageQuadratic<Model>& stage) {
         const int parts = problem_.parts.size();
         for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
             const PairBlock<Model>& pair = assembly.pairs[i];
             const LineInverse<double> inverse = pair_inverses_[i] =
-                invert_line<double>(pair.phi_phi + regularisation, pair.phi_mu, pair.mu_mu + regularisation);
+                invert_line<double>(pair.phi_phi, pair.phi_mu, pair.mu_mu);
             double phi[nw], mu[nw];
             for (int c = 0; c < nw; ++c) {
                 phi[c] = inverse.phi_phi * pair.phi[c] + inverse.phi_mu * pair.mu[c];
