@@ -76,6 +76,7 @@ GUESS_NAMES = [*GUESSES, GivenPath.name]
 FOR_USE = ("separating-line", "unit-normal-line", "swept-line")
 WIDE = "around a block"
 SQP_CANNOT = ("vertex-exclusion", "shared-vertex-exclusion", "farkas-dual")  # often ends at its iteration limit
+FATROP_CAN = ("unit-normal-line",)  # others have null directions or end at its iteration limit
 NECESSARY_ONLY = "triangle-area"  # not exact: from a guess through the block it ends in the block
 ROUGH = ("reeds-shepp", "simplified", "linear")  # they do not look at obstacles
 ARGUMENTS = {"disc-cover": {"cell": 1.0}}  # few discs are covered soon
@@ -89,9 +90,13 @@ def promised(scene, formulation, solver, start):
 def tried(scene, formulation, solver, start):
     """Everything that is usable on the wide scene; elsewhere what is made for use."""
     if scene != WIDE:
-        return formulation in FOR_USE and solver == "ipopt"
+        searched = start == "hybrid-astar"
+        usable = solver == "ipopt" or (solver == "fatrop" and formulation in FATROP_CAN and searched)
+        return formulation in FOR_USE and usable
     if formulation == NECESSARY_ONLY and start in ROUGH:
         return False
+    if solver == "fatrop":
+        return formulation in FATROP_CAN
     return solver != "sqp" or (formulation not in SQP_CANNOT and start != "linear")
 
 

@@ -8,6 +8,7 @@ import typer
 
 import tightspot
 from tightspot.cli.bench import bench
+from tightspot.cli.cache import cache
 from tightspot.cli.convert import convert_command
 from tightspot.cli.export import export_command
 from tightspot.cli.failures import DONE, INTERRUPTED, failure_of
@@ -28,6 +29,7 @@ app.command("scenes")(scenes_command)
 app.command("vehicles")(vehicles_command)
 app.command("schema")(schema_command)
 app.add_typer(bench)
+app.add_typer(cache)
 
 
 def _version(wanted: bool) -> None:

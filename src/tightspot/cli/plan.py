@@ -12,6 +12,7 @@ import typer
 from tightspot.cli.console import answers, notes, print_json, print_line
 from tightspot.cli.failures import REFUSED, failure_of
 from tightspot.cli.interrupts import InterruptWatch
+from tightspot.cli.objective import objective_of
 from tightspot.cli.output_files import PLAN, check_directory, default_directory, write_failure, write_plan
 from tightspot.cli.progress import ProgressView
 from tightspot.cli.summary import plan_facts, summary_table
@@ -49,7 +50,8 @@ def plan_command(
         str | None, typer.Option(metavar="NAME", help="Default: hybrid-astar; a wrong name lists all.")
     ] = None,
     solver: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Default: stagewise, then fatrop, then ipopt; a wrong name lists all.")
+        str | None,
+        typer.Option(metavar="NAME", help="Default: stagewise, then fatrop, then ipopt; a wrong name lists all."),
     ] = None,
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="Intervals to begin with; default: from the guess.")
@@ -62,6 +64,13 @@ def plan_command(
         float | None,
         typer.Option(metavar="R", help="Weight of the duration against the input energy; default: 1."),
     ] = None,
+    energy_weights: Annotated[
+        str | None,
+        typer.Option(metavar="A,W", help="Weights of acceleration and steering rate squared; default: 1,2."),
+    ] = None,
+    free_steering: Annotated[
+        bool, typer.Option("--free-steering", help="Leave the steering angle free at start and goal.")
+    ] = False,
     time_limit: Annotated[
         float | None,
         typer.Option(metavar="SECONDS", help="No new attempt begins after this; default: 60."),
@@ -92,7 +101,7 @@ def plan_command(
     """
     if output is not None:
         check_directory(output)
-    options = {
+    options: dict[str, Any] = {
         "vehicle": vehicle,
         "formulation": formulation,
         "guess": guess,
@@ -112,7 +121,8 @@ def plan_command(
                 view(news)
 
             given = {"start": start, "goal": goal, "vehicle": vehicle, "unknown": unknown}
-            plan = _plan(scene, given, time_weight, output, progress, options)
+            options["objective"] = objective_of(time_weight, energy_weights)
+            plan = _plan(scene, given, free_steering, output, progress, options)
     except (PlanningError, BlockedError) as error:
         raise typer.Exit(_explained(error, output, picture=picture, quiet=quiet, as_json=json)) from None
     directory = output or default_directory(plan.scenario.name)
@@ -129,20 +139,20 @@ def plan_command(
 def _plan(
     scene: str,
     given: dict[str, Any],
-    time_weight: float | None,
+    free_steering: bool,
     output: Path | None,
     progress: ProgressCallback,
     options: dict[str, Any],
 ) -> Plan:
     from tightspot.planner import plan
     from tightspot.scenarios import load
-    from tightspot.transcription import Objective
 
     scenario = load(scene, **given)
+    if free_steering:
+        scenario = scenario.with_free_steering()
     if output is None:
         check_directory(default_directory(scenario.name))
-    objective = None if time_weight is None else Objective(time_weight=time_weight)
-    return plan(scenario, objective=objective, progress=progress, **options)
+    return plan(scenario, progress=progress, **options)
 
 
 def _explained(

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 import shlex
 import shutil
 import subprocess
@@ -39,6 +40,7 @@ ABANDONED = 2 * SECONDS
 """A folder that is still being made after so many seconds is no longer being made."""
 
 BEING_MADE = ".making-"
+_OURS = re.compile(r"[0-9a-f]{40}\Z|\.making-")
 SOURCE, DESCRIPTION = "nlp.c", "entry.json"
 LIBRARY = "nlp.dll" if sys.platform == "win32" else "nlp.so"
 DIRECTORY_VARIABLE = "TIGHTSPOT_CACHE_DIR"
@@ -91,7 +93,7 @@ def entries() -> list[Entry]:
         InputError: The folder cannot be read.
     """
     try:
-        folders = [folder for folder in cache_directory().iterdir() if folder.is_dir()]
+        folders = [folder for folder in cache_directory().iterdir() if folder.is_dir() and _OURS.match(folder.name)]
     except FileNotFoundError:
         return []
     except OSError as error:

@@ -22,7 +22,8 @@ import casadi as ca
 import numpy as np
 
 KEPT = 6
-LOG_LEVEL = 10
+RESTORATION = "r"
+"""Behind the number of an iteration that looks for a feasible point only."""
 
 
 class Log:
@@ -37,13 +38,13 @@ class Log:
         *lines, self._line = (self._line + text).split("\n")
         for line in lines:
             words = line.split()
-            if len(words) > 3 and words[0].isdigit():
+            if len(words) > 3 and words[0].rstrip(RESTORATION).isdigit():
                 self._send(words)
         return len(text)
 
     def _send(self, words: list[str]) -> None:
         try:
-            iteration = int(words[0]), float(words[1]), float(words[2])
+            iteration = int(words[0].rstrip(RESTORATION)), float(words[1]), float(words[2])
         except ValueError:
             return
         send(self._answers, "iteration", iteration)

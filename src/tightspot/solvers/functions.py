@@ -37,3 +37,18 @@ def lagrangian_gradient(nlp: Nlp, x: Array, lam_g: Array) -> Array:
 
     with built(nlp, "gradient", build) as function:
         return np.array(function(x, nlp.p0, lam_g), float).ravel()
+
+
+def complementarity(nlp: Nlp, x: Array, g: Array, lam_x: Array, lam_g: Array) -> float:
+    """Largest product of a multiplier and the distance to the bound that it belongs to, at x.
+
+    A positive multiplier belongs to the upper bound, a negative one to the lower; without that bound the multiplier
+    itself counts, which should be 0.
+    """
+    largest = 0.0
+    for value, lower, upper, lam in ((x, nlp.lbx, nlp.ubx, lam_x), (g, nlp.lbg, nlp.ubg, lam_g)):
+        distance = np.where(lam > 0, upper - value, value - lower)
+        free = lower < upper
+        products = np.abs(lam * np.where(np.isinf(distance), 1.0, distance))[free]
+        largest = max(largest, float(products.max(initial=0.0)))
+    return largest
