@@ -17,7 +17,7 @@ from tightspot.guesses.several import variants
 from tightspot.scenarios.scenario import Scenario
 from tightspot.vehicles.base import VehicleModel
 
-SEARCHED, WORDS = 1 / 3, 1 / 6
+SEARCHED, WORDS = 1 / 2, 1 / 10
 """Shares of the guesses that are searched and that are Reeds-Shepp words; the others are bent."""
 LEAST, MOST = 0.05, 0.5
 """How far positions are bent, in widths of the body."""
@@ -36,8 +36,8 @@ def assorted(
 ) -> list[GuessResult]:
     """Up to ``count`` guesses, the cheapest searched one first; the same arguments give the same guesses.
 
-    A third by hybrid A* (:func:`variants`: other gears at the ends, the other direction of search, other prices,
-    other sides of things); a sixth Reeds-Shepp words that are nearly free (:meth:`ReedsShepp.least_blocked`); the rest
+    Half by hybrid A* (:func:`variants`: other gears at the ends, the other direction of search, other prices,
+    other sides of things); a tenth Reeds-Shepp words that are nearly free (:meth:`ReedsShepp.least_blocked`); the rest
     bent versions of these, half of them of the first (:func:`bent_versions`). Only the searched ones are free of
     collisions. They take some ten milliseconds where the search is easy, and are meant for solvers that take one.
 

@@ -46,6 +46,8 @@ _PRICES: dict[str, dict[str, Any]] = {
     "many gear changes": {"gear_change": 0.3, "steering_change": 0.1},
     "little reverse": {"reverse": 3.0},
     "little steering": {"steering": 0.5, "steering_change": 2.0},
+    "in reverse at both ends, few gear changes": {"gears": EndGears(-1, -1), "gear_change": 10.0},
+    "forwards at both ends, few gear changes": {"gears": EndGears(1, 1), "gear_change": 10.0},
 }
 
 

@@ -41,7 +41,7 @@ from tightspot.solvers import StageReport, Stagewise
 from tightspot.transcription import fits_stages
 from tightspot.vehicles import SingleTrack
 
-GUESSES = 40
+GUESSES = 60
 SLOW_GUESSES = 6
 """With solvers that take a hundred times as long."""
 MOST_COURSES = 8
