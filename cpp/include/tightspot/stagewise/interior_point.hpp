@@ -166,7 +166,7 @@ class InteriorPoint : public Newton<Model> {
             small_violation_ = 1e-4 * std::max(1.0, from.violation);
         }
         set_system();
-        double regularisation = first_regularisation * std::pow(3.0, -record.iteration);
+        double regularisation = options_.warm ? 0 : first_regularisation * std::pow(3.0, -record.iteration);
         if (regularisation < 1e-9) regularisation = 0;
         bool moved = false;
         for (int round = 0; round < 6 && !moved; ++round) {

@@ -17,7 +17,7 @@ struct Options {
     double initial_barrier = 0;  // 0: a thousandth of the objective at the start
     double bound_push = 1e-2;
     bool second_order_correction = true;
-    bool warm = false;  // keep the slacks and multipliers that were set
+    bool warm = false;  // keep the multipliers that were set, and take long steps from the first one on
 };
 
 // One iteration: the point before its step, and the step.
