@@ -9,7 +9,7 @@ from tightspot import scenarios
 TPCAP = Path(__file__).resolve().parents[2] / "shared" / "data" / "tpcap"
 """Not part of the repository; what needs it is skipped where it is not beside the project."""
 
-CASES = ("Case1", "Case2", "Case3", "Case9", "Case10", "Case16")
+CASES = ("Case1", "Case2", "Case3", "Case5", "Case9", "Case10", "Case13", "Case16", "Case18")
 PROMISED_MARGIN = {"builtin": 0.05, "tpcap": 0.02}
 
 

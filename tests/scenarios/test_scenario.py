@@ -150,3 +150,19 @@ def test_an_obstacle_names_its_ring_when_it_is_none():
 def test_an_unknown_vehicle_is_refused_when_it_is_asked_for(scene):
     with pytest.raises(VehicleError):
         Scenario.from_dict(scene).with_(vehicle="tank").vehicle_model()
+
+
+@pytest.mark.parametrize("far", [0.0, 4.5e9, 2.00001e4 + 0.1])
+def test_free_steering_leaves_all_else_bit_for_bit(scene, far):
+    for key in ("start", "goal"):
+        scene[key]["x"] += far
+    scene["workspace"]["x"] = [far - 10, far + 20]
+    scene["obstacles"] = []
+    scenario = Scenario.from_dict(scene)
+    freed = scenario.with_free_steering()
+    assert np.isnan([freed.start[4], freed.goal[4]]).all()
+    expected = scenario.to_dict()
+    for key in ("start", "goal"):
+        expected[key]["delta"] = None
+    assert freed.to_dict() == expected
+    assert freed.with_free_steering().to_dict() == expected

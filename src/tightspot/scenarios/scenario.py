@@ -21,7 +21,7 @@ from tightspot.scenarios.filed import in_file
 from tightspot.scenarios.obstacle import Obstacle
 from tightspot.scenarios.schema import FORMAT, ToleranceSpec
 from tightspot.scenarios.solids import Solid, member_of, solids
-from tightspot.scenarios.states import as_state, state_problems, to_dict
+from tightspot.scenarios.states import as_state, free_steering, state_problems, to_dict
 from tightspot.vehicles import VehicleModel
 
 Array = NDArray[np.float64]
@@ -124,6 +124,13 @@ class Scenario:
             for key in {"solids", "obstacle_parts"} & self.__dict__.keys():  # computed on demand, then kept
                 copy.__dict__[key] = self.__dict__[key]
         return copy
+
+    def with_free_steering(self) -> Scenario:
+        """A copy whose steering angle is free at the start and at the goal: the plan says how the wheels stand."""
+        originals = {
+            key: free_steering(value) if key in ("start", "goal") else value for key, value in self.originals.items()
+        }
+        return self.with_(start=free_steering(self.start), goal=free_steering(self.goal), originals=originals)
 
     def recentred(self) -> Scenario:
         """The same scene with the start near the origin if it was more than 10 km away, else itself."""

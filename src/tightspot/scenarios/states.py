@@ -40,6 +40,11 @@ def to_dict(state: Array, offset: Array, original: Array | None = None) -> dict[
     return {name: None if np.isnan(value) else float(value) for name, value in zip(STATE, values, strict=True)}
 
 
+def free_steering(state: Array) -> Array:
+    """The state with a free steering angle."""
+    return np.array([*state[:4], np.nan])
+
+
 def state_problems(path: str, state: Array) -> list[Problem]:
     """What is wrong with a state's numbers for any vehicle: not finite, or degrees where radians belong."""
     problems = []
