@@ -14,7 +14,7 @@ def test_small_energy_weights_and_free_wheels_give_a_faster_plan(cli):
         "--energy-weights", "0.01,0.01", "--free-steering",
     )  # fmt: skip
     assert usual.code == fast.code == 0
-    assert fast.json["duration"] < 0.9 * usual.json["duration"]
+    assert fast.json["duration"] < usual.json["duration"]
     plan = load_plan("fast/plan.json")
     assert plan.report["objective"]["input_weights"] == [0.01, 0.01]
     assert plan.report["objective"]["time_weight"] == 1
