@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     )
     from tightspot.exports import export_plan
     from tightspot.geometry import ConvexPolygon
-    from tightspot.planner import Explanation, FailureKind, Progress, minimum_penetration, plan
+    from tightspot.planner import Explanation, FailureKind, Planner, Progress, minimum_penetration, plan
     from tightspot.scenarios import Obstacle, Scenario, load, save
     from tightspot.scenarios.readers.commonroad import read_commonroad, read_commonroad_solution, write_commonroad
     from tightspot.trajectory import Trajectory
@@ -70,7 +70,7 @@ _ROOMS = {
     ),
     "tightspot.exports": ("export_plan",),
     "tightspot.geometry": ("ConvexPolygon",),
-    "tightspot.planner": ("Explanation", "FailureKind", "Progress", "minimum_penetration", "plan"),
+    "tightspot.planner": ("Explanation", "FailureKind", "Planner", "Progress", "minimum_penetration", "plan"),
     "tightspot.scenarios": ("Obstacle", "Scenario", "load", "save"),
     "tightspot.scenarios.readers.commonroad": ("read_commonroad", "read_commonroad_solution", "write_commonroad"),
     "tightspot.trajectory": ("Trajectory",),
@@ -124,6 +124,7 @@ __all__ = [
     "Objective",
     "Obstacle",
     "Plan",
+    "Planner",
     "PlanFileError",
     "PlanningError",
     "Problem",

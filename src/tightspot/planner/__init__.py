@@ -5,6 +5,7 @@ from tightspot.planner.optima import Optimum, find_optima
 from tightspot.planner.passing import Deeper, Passing
 from tightspot.planner.penetration import Contact, Penetration, minimum_penetration
 from tightspot.planner.pipeline import plan
+from tightspot.planner.planner import Planner
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.reach import Reach
 from tightspot.planner.solver_stop import SolverStop, WorstConstraint
@@ -17,6 +18,7 @@ __all__ = [
     "Optimum",
     "Passing",
     "Penetration",
+    "Planner",
     "Progress",
     "ProgressCallback",
     "Reach",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from tightspot.planner.explain import SECONDS, explain_blocked, explain_no_guess
 from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.fell_back import fell_back_from
 from tightspot.planner.mesh import gear_changes, path_length
-from tightspot.planner.portfolio import EFFORTS, Course, run_portfolio
+from tightspot.planner.portfolio import EFFORTS, Course, Effort, run_portfolio
 from tightspot.planner.progress import ProgressCallback
 from tightspot.planner.request import Request, resolve, resolve_vehicle
 from tightspot.planner.rounds import Round
@@ -84,9 +85,7 @@ def plan(
             ``explanation``: why, with numbers, and what to change.
     """
     started = time.perf_counter()
-    chosen = next((known for known in EFFORTS if known == effort), None)
-    if chosen is None:
-        raise InputError(Problem("effort", f"{effort!r} is not known; choose one of {', '.join(EFFORTS)}"))
+    chosen = known_effort(effort)
     tell = progress or (lambda news: None)
     seconds = SECONDS if explain else None
     scene = scenario if isinstance(scenario, Scenario) else load(scenario)
@@ -94,26 +93,57 @@ def plan(
     def resolved(scene: Scenario) -> Request:
         return resolve(scene, vehicle, objective, formulation, guess, solver, steps, margin, refinements, time_limit)
 
+    request = resolve_or_explain(scene, vehicle, resolved, tell, seconds)
+    return plan_request(request, chosen, tell, started, seed, seconds)[0]
+
+
+def known_effort(effort: str) -> Effort:
+    """The effort of that name; raises :class:`InputError` if there is none such."""
+    chosen = next((known for known in EFFORTS if known == effort), None)
+    if chosen is None:
+        raise InputError(Problem("effort", f"{effort!r} is not known; choose one of {', '.join(EFFORTS)}"))
+    return chosen
+
+
+def resolve_or_explain(
+    scene: Scenario,
+    vehicle: VehicleModel | str | Path | None,
+    resolved: Callable[[Scenario], Request],
+    tell: ProgressCallback,
+    seconds: float | None,
+) -> Request:
+    """The request; a blocked start or goal raises with its ``explanation``."""
     try:
-        request = resolved(scene)
+        return resolved(scene)
     except BlockedError as error:
         car = resolve_vehicle(scene, vehicle)
         error.explanation = explain_blocked(error, scene, car, resolved, tell, seconds)
         raise
-    deadline = started + time_limit
-    if chosen == "best":
+
+
+def plan_request(
+    request: Request, effort: Effort, tell: ProgressCallback, started: float, seed: int, seconds: float | None
+) -> tuple[Plan, Round]:
+    """:func:`plan` for a request that is resolved, and the round that the plan is of.
+
+    Raises:
+        PlanningError: As there.
+    """
+    deadline = started + request.time_limit
+    if effort == "best":
         tried = run_best(request, tell, deadline, seed)
     else:
-        tried = run_portfolio(request, chosen, tell, deadline)
+        tried = run_portfolio(request, effort, tell, deadline)
     course = tried[-1]
-    report = _report(request, tried, time.perf_counter() - started)
+    report = report_of(request, tried, time.perf_counter() - started)
     last = course.rounds[-1] if course.rounds else None
     if last is None or last.certificate is None or not last.certificate.certified:
         raise _failure(_explained(request, tried, tell, seconds), course.rounds, report)
-    return Plan(request.scenario, request.vehicle, last.trajectory, last.certificate, report)
+    return Plan(request.scenario, request.vehicle, last.trajectory, last.certificate, report), last
 
 
-def _report(request: Request, tried: list[Course], total: float) -> dict[str, Any]:
+def report_of(request: Request, tried: list[Course], total: float) -> dict[str, Any]:
+    """A plan's report: what was tried, what it cost and what came of it, as plain data."""
     course = tried[-1]
     found = course.found
     report: dict[str, Any] = {

@@ -41,6 +41,8 @@ from tightspot.verification.replay import Replay, replay
 FEASIBLE = 1e-5
 WARM_BARRIER = 1e-3
 """Small enough not to push a solution on a coarser mesh over into another valley."""
+SAME_MESH_BARRIER = 1e-4
+"""Where the multipliers are carried over, too: below it there is little left to gain."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,6 +235,10 @@ def _solved(
     if before is None or not isinstance(before.report, StageReport):
         return solver.solve_stages(problem, callback=watch)
     problem = carry_lines(before.mesh.grid, before.report, problem)
+    if step.mesh is before.mesh and before.report.point is not None:
+        point = replace(before.report.point, v=problem.starting_point())
+        barrier = solver.initial_barrier or SAME_MESH_BARRIER
+        return replace(solver, initial_barrier=barrier).solve_stages(problem, warm=point, callback=watch)
     if solver.initial_barrier is None:
         near = replace(solver, initial_barrier=WARM_BARRIER).solve_stages(problem, callback=watch)
         if near.status.success:

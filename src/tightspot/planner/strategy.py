@@ -48,7 +48,7 @@ def next_step(request: Request, rounds: Sequence[Round], guess: Trajectory) -> S
     last = rounds[-1]
     if last.certificate is None or last.replay is None:
         return _after_failure(request, rounds, guess)
-    if last.mesh.formulation is request.formulation:
+    if last.mesh.formulation == request.formulation:
         mesh = refine(request, last.mesh, last.replay, last.certificate, len(rounds))
         news = f"{mesh.grid.steps} intervals, {1000 * mesh.extra:.0f} mm beyond the margin"
         return Step(mesh, on_grid(last.replay, mesh.grid), "refine", news, last)
@@ -126,7 +126,7 @@ def _after_failure(request: Request, rounds: Sequence[Round], guess: Trajectory)
     """From the last solution on a finer mesh; or on whole intervals from the guess; or more intervals."""
     if sum(not outcome.solved for outcome in rounds) > FAILED_SOLVES:
         return None
-    whole = [outcome for outcome in rounds if outcome.solved and outcome.mesh.formulation is request.formulation]
+    whole = [outcome for outcome in rounds if outcome.solved and outcome.mesh.formulation == request.formulation]
     if whole and whole[-1].replay and _failures(rounds, "finer") == 0:
         mesh = whole[-1].mesh
         finer = replace(mesh.cut(np.full(mesh.grid.steps, 2)), extra=EXTRA)

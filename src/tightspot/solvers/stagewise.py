@@ -40,6 +40,8 @@ LOG_COLUMNS = (
     "primal_step", "dual_step", "trials",
 )  # fmt: skip
 """What the columns of a report's log mean."""
+WARM_PUSH = 1e-3
+"""How far a warm start is moved away from bounds that it is at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,6 +182,8 @@ class Stagewise(Solver):
         if self.initial_barrier is not None:
             options.initial_barrier = self.initial_barrier
         options.warm = warm
+        if warm:
+            options.bound_push = WARM_PUSH
         return options
 
     def _report(self, problem: StageProblem, answer: dict[str, Any], timings: dict[str, float]) -> StageReport:
