@@ -218,9 +218,9 @@ class Assembly {
             for (int p = first; p <= last; ++p)
                 chain(k).add(p - first, curvature.pose_covers.data() + 3 * (p * parts + part), row);
             const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
-            for (int i = 0; i < S::nw; ++i) both[i] = curvature.covers[k * parts + part] * gradient[i] + row[i];
-            stage.add_outer(1.0, both, gradient);
-            stage.add_outer(1.0, gradient, row);
+            const double own = curvature.covers[k * parts + part];
+            for (int i = 0; i < S::nw; ++i) both[i] = -own * gradient[i] - row[i], row[i] = -row[i];
+            stage.subtract_outer(both, gradient, gradient, row);
         }
     }
 

@@ -1,9 +1,9 @@
 // One interval's quadratic in w = (a, x_{k+1}), a = (x_k, t_f, u_k), in three blocks.
 #pragma once
 
-#include <vector>
+#include <type_traits>
 
-#include "tightspot/stagewise/problem.hpp"
+#include "tightspot/stagewise/row_vector.hpp"
 #include "tightspot/stagewise/sizes.hpp"
 
 namespace tightspot::stagewise {
@@ -15,13 +15,21 @@ struct StageQuadratic {
     double mixed[S::nx * S::na];  // between x_{k+1} and a; 0 unless the interval is coupled
     double ahead[S::nx * S::nx];  // of x_{k+1}
 
-    // += p q' with a symmetric sum in view: own and ahead full, mixed from p's part ahead and q's own.
-    void add_outer(double factor, const double* p, const double* q) {
-        for (int r = 0; r < S::na; ++r)
-            for (int c = 0; c < S::na; ++c) own[r * S::na + c] += factor * p[r] * q[c];
-        for (int r = 0; r < S::nx; ++r) {
-            for (int c = 0; c < S::na; ++c) mixed[r * S::na + c] += factor * p[S::na + r] * q[c];
-            for (int c = 0; c < S::nx; ++c) ahead[r * S::nx + c] += factor * p[S::na + r] * q[S::na + c];
+    // -= p q' + r s', a symmetric matrix of length nw.
+    void subtract_outer(const double* p, const double* q, const double* r, const double* s) {
+        using Own = RowVector<S::na>;
+        using Ahead = RowVector<S::nx>;
+        const Own q_own = Own::read(q), s_own = Own::read(s);
+        const Ahead q_ahead = Ahead::read(q + S::na), s_ahead = Ahead::read(s + S::na);
+        const auto subtract = [&](int i, const auto& qs, const auto& ss, double* to) {
+            auto row = std::decay_t<decltype(qs)>::read(to);
+            row.add(-p[i], qs), row.add(-r[i], ss);
+            row.write(to);
+        };
+        for (int i = 0; i < S::na; ++i) subtract(i, q_own, s_own, own + i * S::na);
+        for (int i = 0; i < S::nx; ++i) {
+            subtract(S::na + i, q_own, s_own, mixed + i * S::na);
+            subtract(S::na + i, q_ahead, s_ahead, ahead + i * S::nx);
         }
     }
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tightspot/stagewise/assembly.hpp"
+#include "tightspot/stagewise/riccati.hpp"
 
 namespace tightspot::stagewise {
 
@@ -30,15 +31,6 @@ class Sweep {
     using S = Sizes<Model>;
     static constexpr int nx = S::nx, nu = S::nu, nz = S::nz, na = S::na, nw = S::nw;
 
-    struct StageFactor {
-        double ahead[nz * nz];   // P' = P_{k+1} plus the interval's own quadratic in (x_{k+1}, t_f)
-        double mixed[nx * na];   // C: derivatives mixed between x_{k+1} and (x_k, u_k)
-        double inputs[nu * nu];  // Cholesky factor of the inputs' block
-        double cross[nu * nz];   // mixed derivatives of inputs and z
-        double gain[nu * nz];
-        double offset[nu], value[nz];  // of the vector sweep
-    };
-
    public:
     Sweep(const Problem& problem, const Layout& layout, const Assembly<Model>& assembly)
         : problem_(problem), layout_(layout), factors_(problem.steps), pair_inverses_(assembly.pairs.size()),
@@ -46,10 +38,9 @@ class Sweep {
 
     // False if the reduced Hessian, with `regularisation` added to its diagonal, is not positive definite.
     bool factor(const Assembly<Model>& assembly, double regularisation, double goal_penalty) {
-        double P[nz * nz] = {};
+        double P[nz * na] = {};
         for (int i = 0; i < nx; ++i)
-            if (!std::isnan(problem_.goal[i])) P[i * (nz + 1)] = goal_penalty + regularisation;
-            else P[i * (nz + 1)] = regularisation;
+            P[i * (na + 1)] = regularisation + (std::isnan(problem_.goal[i]) ? 0 : goal_penalty);
         eliminate_uncoupled(assembly);
         for (int k = problem_.steps - 1; k >= 0; --k) {
             const double* F = assembly.sensitivities.end.data() + k * nx * na;
@@ -57,10 +48,10 @@ class Sweep {
             if (assembly.coupled(k)) {
                 StageQuadratic<Model> stage = assembly.stages[k];
                 eliminate_lines(assembly, k, stage);
-                done = step_back<true>(stage, F, regularisation, P, factors_[k]);
+                done = factors_[k].template back<true>(stage, nullptr, F, regularisation, P);
             } else {
-                add_pose_block(eliminated_.data() + 6 * k, P, nz);
-                done = step_back<false>(assembly.stages[k], F, regularisation, P, factors_[k]);
+                const double* pose = eliminated_.data() + 6 * k;
+                done = factors_[k].template back<false>(assembly.stages[k], pose, F, regularisation, P);
             }
             if (!done) return false;
         }
@@ -72,14 +63,20 @@ class Sweep {
     void solve(const Assembly<Model>& assembly, const Gradient& gradient, const double* defects,
                const double* goal_residual, const double* goal_multiplier, double goal_penalty, double* dv, double* lam,
                double* nu_new) {
-        double p[nz] = {};
+        double p[na] = {};
         for (int i = 0; i < nx; ++i)
             if (!std::isnan(problem_.goal[i])) p[i] = goal_penalty * goal_residual[i] + goal_multiplier[i];
         gradient_ = gradient.stages;
         reduce_uncoupled(assembly, gradient);
         for (int k = problem_.steps - 1; k >= 0; --k) {
-            if (assembly.coupled(k)) reduce_gradient(assembly, gradient, k);
-            vector_back(assembly, k, defects + k * nx, p);
+            const double* F = assembly.sensitivities.end.data() + k * nx * na;
+            double* g = gradient_.data() + k * nw;
+            if (assembly.coupled(k)) {
+                reduce_gradient(assembly, gradient, k);
+                factors_[k].template vector_back<true>(g, F, defects + k * nx, p);
+            } else {
+                factors_[k].template vector_back<false>(g, F, defects + k * nx, p);
+            }
         }
         solve_root(p, dv);
         for (int k = 0; k < problem_.steps; ++k) step_forward(assembly, k, defects + k * nx, dv, lam + k * nx);
@@ -136,79 +133,8 @@ class Sweep {
                 phi[c] = inverse.phi_phi * pair.phi[c] + inverse.phi_mu * pair.mu[c];
                 mu[c] = inverse.phi_mu * pair.phi[c] + inverse.mu_mu * pair.mu[c];
             }
-            stage.add_outer(-1.0, pair.phi, phi);
-            stage.add_outer(-1.0, pair.mu, mu);
+            stage.subtract_outer(pair.phi, phi, pair.mu, mu);
         }
-    }
-
-    // From P = P_{k+1} to P_k.
-    template <bool coupled>
-    static bool step_back(const StageQuadratic<Model>& stage, const double* F, double regularisation, double* P,
-                          StageFactor& out) {
-        for (int i = 0; i < nx; ++i) {
-            for (int j = 0; j < nx; ++j) P[i * nz + j] += stage.ahead[i * nx + j];
-            if (!coupled) continue;
-            for (int c = 0; c < na; ++c) out.mixed[i * na + c] = c != nx ? stage.mixed[i * na + c] : 0;
-            P[i * nz + nx] += stage.mixed[i * na + nx];
-            P[nx * nz + i] += stage.mixed[i * na + nx];
-        }
-        for (int i = 0; i < nz * nz; ++i) out.ahead[i] = P[i];
-        double M[nz * na], G[na * na];
-        for (int i = 0; i < nz; ++i) {
-            double row[na] = {};
-            for (int j = 0; j < nx; ++j)
-                for (int c = 0; c < na; ++c) row[c] += P[i * nz + j] * F[j * na + c];
-            row[nx] += P[i * nz + nx];
-            for (int c = 0; c < na; ++c) M[i * na + c] = row[c];
-        }
-        for (int r = 0; r < na; ++r) {
-            double row[na];
-            for (int c = 0; c < na; ++c) row[c] = stage.own[r * na + c];
-            row[r] += regularisation;
-            for (int j = 0; j < nx; ++j)
-                for (int c = 0; c < na; ++c) row[c] += F[j * na + r] * M[j * na + c];
-            if (r == nx)
-                for (int c = 0; c < na; ++c) row[c] += M[nx * na + c];
-            for (int c = 0; c < na; ++c) G[r * na + c] = row[c];
-        }
-        if (coupled)
-            for (int r = 0; r < na; ++r)
-                for (int j = 0; j < nx; ++j)
-                    for (int c = 0; c < na; ++c)
-                        G[r * na + c] += out.mixed[j * na + r] * F[j * na + c] + F[j * na + r] * out.mixed[j * na + c];
-        for (int i = 0; i < nu; ++i) {
-            for (int j = 0; j < nu; ++j) out.inputs[i * nu + j] = G[(nz + i) * na + nz + j];
-            for (int c = 0; c < nz; ++c) out.cross[i * nz + c] = G[(nz + i) * na + c];
-        }
-        if (!cholesky<nu>(out.inputs, nu, 1e-12)) return false;
-        // Y = L^{-1} cross; P_k = G_zz - Y' Y; gain = -L^{-T} Y.
-        double Y[nu * nz];
-        for (int i = 0; i < nu; ++i) {
-            double row[nz];
-            for (int c = 0; c < nz; ++c) row[c] = out.cross[i * nz + c];
-            for (int j = 0; j < i; ++j)
-                for (int c = 0; c < nz; ++c) row[c] -= out.inputs[i * nu + j] * Y[j * nz + c];
-            const double inverse = 1 / out.inputs[i * nu + i];
-            for (int c = 0; c < nz; ++c) Y[i * nz + c] = inverse * row[c];
-        }
-        for (int i = nu - 1; i >= 0; --i) {
-            double row[nz];
-            for (int c = 0; c < nz; ++c) row[c] = -Y[i * nz + c];
-            for (int j = i + 1; j < nu; ++j)
-                for (int c = 0; c < nz; ++c) row[c] -= out.inputs[j * nu + i] * out.gain[j * nz + c];
-            const double inverse = 1 / out.inputs[i * nu + i];
-            for (int c = 0; c < nz; ++c) out.gain[i * nz + c] = inverse * row[c];
-        }
-        for (int r = 0; r < nz; ++r) {
-            double row[nz];
-            for (int c = 0; c < nz; ++c) row[c] = G[r * na + c];
-            for (int i = 0; i < nu; ++i)
-                for (int c = 0; c < nz; ++c) row[c] -= Y[i * nz + r] * Y[i * nz + c];
-            for (int c = 0; c < nz; ++c) P[r * nz + c] = row[c];
-        }
-        for (int r = 0; r < nz; ++r)
-            for (int c = 0; c < r; ++c) P[c * nz + r] = P[r * nz + c];
-        return true;
     }
 
     // The components of z_0 that are free: (x_0's free ones, t_f).
@@ -218,7 +144,7 @@ class Sweep {
             if (std::isnan(problem_.start[i])) free_[n_free_++] = i;
         if (problem_.free_time()) free_[n_free_++] = nx;
         for (int r = 0; r < n_free_; ++r)
-            for (int c = 0; c < n_free_; ++c) root_[r * nz + c] = P[free_[r] * nz + free_[c]];
+            for (int c = 0; c < n_free_; ++c) root_[r * nz + c] = P[free_[std::min(r, c)] * na + free_[std::max(r, c)]];
         return cholesky<nz>(root_, n_free_, 1e-12);
     }
 
@@ -258,31 +184,6 @@ class Sweep {
         }
     }
 
-    void vector_back(const Assembly<Model>& assembly, int k, const double* d, double* p) {
-        StageFactor& stage = factors_[k];
-        const double *g = gradient_.data() + k * nw, *F = assembly.sensitivities.end.data() + k * nx * na;
-        for (int i = 0; i < nx; ++i) p[i] += g[na + i];
-        for (int i = 0; i < nz; ++i) stage.value[i] = p[i];
-        double q[nz], h[na];
-        for (int i = 0; i < nz; ++i) {
-            q[i] = p[i];
-            for (int j = 0; j < nx; ++j) q[i] += stage.ahead[i * nz + j] * d[j];
-        }
-        for (int c = 0; c < na; ++c) {
-            h[c] = g[c];
-            for (int j = 0; j < nx; ++j) h[c] += F[j * na + c] * q[j];
-            if (assembly.coupled(k))
-                for (int j = 0; j < nx; ++j) h[c] += stage.mixed[j * na + c] * d[j];
-        }
-        h[nx] += q[nx];
-        for (int i = 0; i < nu; ++i) stage.offset[i] = -h[nz + i];
-        cholesky_solve<nu>(stage.inputs, nu, stage.offset);
-        for (int c = 0; c < nz; ++c) {
-            p[c] = h[c];
-            for (int i = 0; i < nu; ++i) p[c] += stage.cross[i * nz + c] * stage.offset[i];
-        }
-    }
-
     void solve_root(const double* p, double* dv) {
         double step[nz];
         for (int i = 0; i < n_free_; ++i) step[i] = -p[free_[i]];
@@ -292,27 +193,16 @@ class Sweep {
         for (int i = 0; i < n_free_; ++i) dv[free_[i] < nx ? free_[i] : layout_.time] = step[i];
     }
 
-    void step_forward(const Assembly<Model>& assembly, int k, const double* d, double* dv, double* lam) {
-        const StageFactor& stage = factors_[k];
+    void step_forward(const Assembly<Model>& assembly, int k, const double* d, double* dv, double* lam) const {
         const double *F = assembly.sensitivities.end.data() + k * nx * na, *x = dv + layout_.x(k);
-        double a[na], *next = dv + layout_.x(k + 1);
+        double a[na] = {}, *next = dv + layout_.x(k + 1);
         for (int i = 0; i < nx; ++i) a[i] = x[i];
         a[nx] = dv[layout_.time];
-        for (int i = 0; i < nu; ++i) {
-            double sum = stage.offset[i];
-            for (int c = 0; c < nz; ++c) sum += stage.gain[i * nz + c] * a[c];
-            a[nz + i] = dv[layout_.u(k) + i] = sum;
-        }
-        for (int i = 0; i < nx; ++i) {
-            next[i] = d[i];
-            for (int c = 0; c < na; ++c) next[i] += F[i * na + c] * a[c];
-        }
-        for (int i = 0; i < nx; ++i) {
-            double sum = stage.value[i] + stage.ahead[i * nz + nx] * a[nx];
-            for (int j = 0; j < nx; ++j) sum += stage.ahead[i * nz + j] * next[j];
-            for (int c = 0; assembly.coupled(k) && c < na; ++c) sum += stage.mixed[i * na + c] * a[c];
-            lam[i] = sum;
-        }
+        if (assembly.coupled(k))
+            factors_[k].template forward<true>(F, d, a, next, lam);
+        else
+            factors_[k].template forward<false>(F, d, a, next, lam);
+        for (int i = 0; i < nu; ++i) dv[layout_.u(k) + i] = a[nz + i];
     }
 
     void step_uncoupled(const Assembly<Model>& assembly, const Gradient& gradient, double* dv) const {
@@ -350,7 +240,7 @@ class Sweep {
 
     const Problem& problem_;
     const Layout& layout_;
-    std::vector<StageFactor> factors_;
+    std::vector<RiccatiStage<Model>> factors_;
     std::vector<LineInverse<double>> pair_inverses_;  // of pairs in coupled intervals
     Vector gradient_;
     Vector inverses_;    // of groups of other lines, packs: phi phi, phi mu, mu mu
