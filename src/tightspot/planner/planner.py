@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from tightspot.planner.progress import ProgressCallback
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Round
 from tightspot.planner.warm import warm_rounds
-from tightspot.scenarios import Obstacle, Scenario, load
+from tightspot.scenarios import Obstacle, Scenario, check, load
 from tightspot.solvers import Solver
 from tightspot.transcription import Objective
 from tightspot.vehicles import VehicleModel
@@ -81,10 +82,8 @@ class Planner:
         self._tell: ProgressCallback = progress or (lambda news: None)
         self._last: tuple[Request, Round] | None = None
         self._cold_steps = 0
-        try:
+        with suppress(BlockedError):
             self._resolved(self.scenario)
-        except BlockedError:
-            pass
 
     def plan(
         self,
@@ -113,8 +112,17 @@ class Planner:
         self.scenario, self._last = plan.scenario, (request, last)
         return plan
 
+    @property
+    def last_round(self) -> Round | None:
+        """What the last plan is of: mesh, solver's report, multipliers; ``None`` before the first one."""
+        return self._last[1] if self._last else None
+
     def _resolved(self, scene: Scenario) -> Request:
-        return resolve(scene, self._vehicle, *self._arguments)
+        if self._last is None:
+            return resolve(scene, self._vehicle, *self._arguments)
+        known, _ = self._last
+        check(scene, known.vehicle, known.margin)
+        return replace(known, scenario=scene)
 
     def _changed(
         self, start: ArrayLike | None, goal: ArrayLike | None, obstacles: Sequence[Obstacle] | None
@@ -166,6 +174,8 @@ class Planner:
 
 def _obstacles(given: Sequence[Obstacle]) -> tuple[Obstacle, ...]:
     """Raises :class:`InputError` if one of them is none."""
+    if not isinstance(given, Sequence):
+        raise InputError(Problem("obstacles", f"{type(given).__name__} is not a list of tightspot.scenarios.Obstacle"))
     problems = [
         Problem(f"obstacles[{index}]", f"{type(item).__name__} is not a tightspot.scenarios.Obstacle")
         for index, item in enumerate(given)

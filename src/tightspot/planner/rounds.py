@@ -20,6 +20,7 @@ from tightspot.solvers import (
     IterationCallback,
     Solver,
     SolveReport,
+    StagePoint,
     StageProblem,
     StageReport,
     Stagewise,
@@ -32,6 +33,7 @@ from tightspot.transcription import (
     carry_lines,
     carry_over,
     fits_stages,
+    moved_ends,
     stage_problem,
     transcribe,
 )
@@ -231,19 +233,27 @@ def _solved(
     if not isinstance(solver, Stagewise):
         warm = carry_over(before.transcription, before.report, program()) if before else None
         return solver.solve(program().nlp, warm=warm, callback=watch)
-    problem = problem_of(request, step)
     if before is None or not isinstance(before.report, StageReport):
-        return solver.solve_stages(problem, callback=watch)
-    problem = carry_lines(before.mesh.grid, before.report, problem)
+        return solver.solve_stages(problem_of(request, step), callback=watch)
     if step.mesh is before.mesh and before.report.point is not None:
-        point = replace(before.report.point, v=problem.starting_point())
-        barrier = solver.initial_barrier or SAME_MESH_BARRIER
-        return replace(solver, initial_barrier=barrier).solve_stages(problem, warm=point, callback=watch)
+        return _again(request, step, before.report, before.report.point, solver, watch)
+    problem = carry_lines(before.mesh.grid, before.report, problem_of(request, step))
     if solver.initial_barrier is None:
         near = replace(solver, initial_barrier=WARM_BARRIER).solve_stages(problem, callback=watch)
         if near.status.success:
             return near
     return solver.solve_stages(problem, callback=watch)
+
+
+def _again(
+    request: Request, step: Step, report: StageReport, point: StagePoint, solver: Stagewise, watch: IterationCallback
+) -> StageReport:
+    """On the same mesh, from the earlier solution with all its multipliers."""
+    problem = moved_ends(report, request.scenario)
+    if problem is None:
+        problem = carry_lines(step.mesh.grid, report, problem_of(request, step))
+    near = replace(solver, initial_barrier=solver.initial_barrier or SAME_MESH_BARRIER)
+    return near.solve_stages(problem, warm=replace(point, v=problem.starting_point()), callback=watch)
 
 
 def _settings(request: Request, mesh: Mesh) -> Settings:

@@ -70,6 +70,7 @@ class StageReport(SolveReport):
     """A :class:`SolveReport` whose vectors are in the order of the Nlp that says the same, and the stagewise ones.
 
     Attributes:
+        problem: What was solved.
         point: The last iterate, to start another solve from.
         states: (N + 1, n_x).
         inputs: (N, n_u).
@@ -79,6 +80,7 @@ class StageReport(SolveReport):
         log: One line an iteration, columns :data:`LOG_COLUMNS`.
     """
 
+    problem: StageProblem | None = None
     point: StagePoint | None = None
     states: Array | None = None
     inputs: Array | None = None
@@ -210,6 +212,7 @@ class Stagewise(Solver):
             worst=worst,
             timings=timings,
             backend_status=answer["status"],
+            problem=problem,
             point=point,
             states=states,
             inputs=inputs,

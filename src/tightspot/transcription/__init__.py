@@ -6,7 +6,7 @@ from tightspot.transcription.objective import EnergyForm, Objective
 from tightspot.transcription.sampling import resample
 from tightspot.transcription.stage_problem import fits_stages, stage_problem
 from tightspot.transcription.transcribe import Settings, Transcription, transcribe
-from tightspot.transcription.transfer import carry_lines, carry_over, parents
+from tightspot.transcription.transfer import carry_lines, carry_over, moved_ends, parents
 
 __all__ = [
     "Counts",
@@ -19,6 +19,7 @@ __all__ = [
     "carry_over",
     "counts",
     "fits_stages",
+    "moved_ends",
     "parents",
     "resample",
     "stage_problem",

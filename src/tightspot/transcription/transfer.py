@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.geometry.transforms import nearest_angle
+from tightspot.scenarios.scenario import Scenario
 from tightspot.solvers.base import SolveReport, WarmStart
 from tightspot.solvers.nlp import Nlp, RowBlock
 from tightspot.solvers.stage_problem import StageProblem
@@ -67,6 +69,34 @@ def carry_lines(grid: TimeGrid, report: StageReport, problem: StageProblem) -> S
     lines = problem.lines.copy()
     lines[found >= 0] = report.lines[found[found >= 0]]
     return problem.replaced(lines=lines)
+
+
+def moved_ends(report: StageReport, scenario: Scenario) -> StageProblem | None:
+    """The problem of an earlier solve from its solution, with the scenario's start and goal in place of its own.
+
+    ``None`` if the obstacles are others: then every pair needs its place anew. W, margins and mesh are the earlier
+    solve's.
+    """
+    problem = report.problem
+    if problem is None or report.states is None or report.inputs is None or report.lines is None:
+        return None
+    corners = [polygon.vertices for _, polygon in scenario.obstacle_parts]
+    if not np.array_equal(np.concatenate(corners) if corners else np.zeros((0, 2)), problem.obstacle_vertices):
+        return None
+    states, ends = report.states.copy(), []
+    for end, knot in ((scenario.start, 0), (scenario.goal, -1)):
+        state = np.array(end)
+        state[2] = nearest_angle(state[2], states[knot, 2])
+        states[knot] = np.where(np.isnan(state), states[knot], state)
+        ends.append(state)
+    return problem.replaced(
+        start=ends[0],
+        goal=ends[1],
+        states=states,
+        inputs=report.inputs,
+        final_time=report.final_time,
+        lines=report.lines,
+    )
 
 
 def _bounds(
