@@ -205,7 +205,7 @@ void bind_search(nb::module_& m) {
         .def_rw("heading_bins", &SearchOptions::heading_bins)
         .def_rw("step", &SearchOptions::step)
         .def_rw("halvings", &SearchOptions::halvings)
-        .def_rw("steering_levels", &SearchOptions::steering_levels)
+        .def_rw("steering", &SearchOptions::steering)
         .def_rw("full_curvature", &SearchOptions::full_curvature)
         .def_rw("cost", &SearchOptions::cost)
         .def_rw("heuristic_weight", &SearchOptions::heuristic_weight)

@@ -45,7 +45,7 @@ class SearchOptions:
     heading_bins: int
     step: float
     halvings: int
-    steering_levels: int
+    steering: Sequence[float]
     full_curvature: float
     cost: MotionCost
     heuristic_weight: float

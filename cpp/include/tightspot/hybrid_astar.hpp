@@ -39,10 +39,8 @@ public:
         cells_.origin = Box(checker.workspace().vertices).low;
         cells_.size = options.cell;
         cells_.heading_bins = options.heading_bins;
-        const int levels = std::max(3, options.steering_levels | 1);
         for (const double length : {options.step, -options.step, 2.0 * options.step, -2.0 * options.step})
-            for (int i = 0; i < levels; ++i)
-                moves_.push_back({length, options.full_curvature * (2.0 * i / (levels - 1) - 1.0)});
+            for (const double part : options.steering) moves_.push_back({length, options.full_curvature * part});
     }
 
     SearchResult run(const Pose& start, const Pose& goal, const Interrupt& interrupt = {}) {

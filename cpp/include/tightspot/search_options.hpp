@@ -15,7 +15,7 @@ struct SearchOptions {
     int heading_bins = 72;        ///< heading cells of a full turn
     double step = 0.6;            ///< length of an arc, m
     int halvings = 0;             ///< so often an arc that is blocked is tried again at half its length
-    int steering_levels = 5;      ///< curvatures from full left to full right, odd
+    std::vector<double> steering{-1.0, -0.5, 0.0, 0.5, 1.0};  ///< curvatures tried, parts of the full one
     double full_curvature = 0.2;  ///< largest curvature used, 1/m
     MotionCost cost;
     double heuristic_weight = 1.0;

@@ -5,7 +5,17 @@ from tightspot.search.hybrid_astar import Car, search
 from tightspot.search.options import Direction, EndGears, HybridAStarOptions
 from tightspot.search.path import Path
 from tightspot.search.reeds_shepp import ReedsSheppPath, Segment, all_paths, shortest_path
-from tightspot.search.resolution import COARSE, FINE, FINEST, MEDIUM, Resolution
+from tightspot.search.resolution import (
+    COARSE,
+    FINE,
+    FINEST,
+    MEDIUM,
+    NARROW,
+    NARROWER,
+    NARROWEST,
+    SMALL_TURNS,
+    Resolution,
+)
 from tightspot.search.result import Attempt, SearchResult, SearchStatus
 
 __all__ = [
@@ -13,6 +23,10 @@ __all__ = [
     "FINE",
     "FINEST",
     "MEDIUM",
+    "NARROW",
+    "NARROWER",
+    "NARROWEST",
+    "SMALL_TURNS",
     "Attempt",
     "Car",
     "Direction",

@@ -104,12 +104,20 @@ class Scene:
         settings.gears = (options.gears.first, options.gears.last)
         settings.tolerance = options.tolerance
         settings.max_expansions = min(resolution.max_expansions, options.max_expansions)
-        settings.steering_levels = options.steering_levels
+        settings.steering = _steering(resolution, options)
         settings.heuristic_weight = options.heuristic_weight
         settings.max_words = options.max_words
         settings.extra_expansions = options.extra_expansions
         settings.keep_closed = options.keep_closed
         return settings
+
+
+def _steering(resolution: Resolution, options: HybridAStarOptions) -> list[float]:
+    """Curvatures to try, parts of the largest."""
+    if not resolution.steering_halvings:
+        return list(np.linspace(-1.0, 1.0, options.steering_levels))
+    left = [0.5**halved for halved in range(resolution.steering_halvings + 1)]
+    return sorted([*left, 0.0, *(-part for part in left)])
 
 
 def _record(resolution: Resolution, margin: float, direction: Direction, answer: _core.SearchAnswer) -> Attempt:

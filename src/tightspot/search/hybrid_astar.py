@@ -22,6 +22,10 @@ from tightspot.search.resolution import Resolution
 from tightspot.search.result import Attempt, SearchResult, SearchStatus
 from tightspot.vehicles.base import BodyPart
 
+WINDING = 10
+SECONDS_MORE = 0.5
+"""For a better path than one that changes gears more than ``WINDING`` times."""
+
 
 class Car(Protocol):
     """What the search needs of a vehicle; every :class:`tightspot.vehicles.SingleTrack` has it."""
@@ -46,7 +50,8 @@ def search(
     """A path on which the body keeps a margin to all obstacles and stays in the workspace.
 
     Searches with every combination of resolution and margin of the options, the coarsest first, until one
-    finds a path. Between samples of an arc the motion is covered by the clearances at its ends, so the path
+    finds a path. If it changes gears more than ``WINDING`` times, the next ones are tried for a moment, too: the
+    cheapest path counts. Between samples of an arc the motion is covered by the clearances at its ends, so the path
     keeps its margin everywhere, to within a thousandth of the body's width, and not at samples only.
 
     Args:
@@ -59,7 +64,8 @@ def search(
         is_hopeless: Asked once if the first resolution was in vain; true ends the search.
 
     Returns:
-        A result; its ``path`` is ``None`` unless its ``status`` is ``FOUND``; ``attempts`` is what was tried.
+        A result; its ``path`` is ``None`` unless its ``status`` is ``FOUND``; ``attempts`` is what was tried, the one
+        that found the path last.
 
     Raises:
         InputError: A pose is not three finite numbers, or a body part is not fixed to the rear-axle frame.
@@ -70,6 +76,7 @@ def search(
     scene = Scene(workspace, obstacles, vehicle.parts, vehicle.min_turning_radius, start, goal, options)
     attempts: list[Attempt] = []
     closed: list[Array] = []
+    best: tuple[Path, Attempt] | None = None
     deadline = time.monotonic() + options.time_limit
     first = options.resolutions[0]
     for resolution, margin, direction in _ladder(options):
@@ -85,8 +92,21 @@ def search(
         closed.append(poses)
         if attempt.outcome is SearchStatus.FOUND:
             path = Path.from_arcs(start, arcs, options.spacing, goal)
-            return SearchResult(SearchStatus.FOUND, path, tuple(attempts), np.concatenate(closed))
+            if best is None:
+                deadline = min(deadline, time.monotonic() + SECONDS_MORE)
+            if best is None or _cost(attempt) < _cost(best[1]):
+                best = path, attempt
+            if path.gear_changes <= WINDING:
+                break
+    if best is not None:
+        path, chosen = best
+        attempts.sort(key=lambda attempt: attempt is chosen)
+        return SearchResult(SearchStatus.FOUND, path, tuple(attempts), np.concatenate(closed))
     return SearchResult(_verdict(attempts), None, tuple(attempts), np.concatenate(closed))
+
+
+def _cost(attempt: Attempt) -> float:
+    return np.inf if attempt.cost is None else attempt.cost
 
 
 def _ladder(options: HybridAStarOptions) -> Iterator[tuple[Resolution, float, Direction]]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from tightspot.search.ranges import MOST_EXPANSIONS, Ranges, above_0, at_least, check, count_from
-from tightspot.search.resolution import COARSE, FINE, FINEST, MEDIUM, Resolution
+from tightspot.search.resolution import COARSE, FINE, MEDIUM, NARROW, NARROWER, NARROWEST, SMALL_TURNS, Resolution
 
 
 class Direction(Enum):
@@ -51,7 +51,8 @@ class HybridAStarOptions:
         reverse: Factor on the way driven in reverse.
         steering: Further cost of a metre at full steering, in proportion at less.
         steering_change: Cost of turning the wheels from straight to full.
-        steering_levels: Curvatures tried at each pose from full left to full right; odd, at least 5.
+        steering_levels: Curvatures tried at each pose from full left to full right; odd, at least 5. Resolutions for
+            narrow places have their own.
         heuristic_weight: 1 for the best path the resolution allows, more for an earlier one.
         max_words: Reeds-Shepp curves tried from a pose, cheapest first.
         tolerance: A path is good enough if no other can be cheaper by more than this part, as far as the heuristic
@@ -69,7 +70,7 @@ class HybridAStarOptions:
         InputError: A number is outside its range; all such are named.
     """
 
-    resolutions: tuple[Resolution, ...] = (COARSE, MEDIUM, FINE, FINEST)
+    resolutions: tuple[Resolution, ...] = (COARSE, MEDIUM, NARROW, FINE, NARROWER, NARROWEST, SMALL_TURNS)
     margins: tuple[float, ...] = (0.1, 0.05, 0.02)
     directions: tuple[Direction, ...] = (Direction.TIGHT_END, Direction.WIDE_END)
     curvature_factor: float = 0.95

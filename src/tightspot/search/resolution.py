@@ -21,6 +21,8 @@ class Resolution:
             are what remains.
         patience: Without a path after this many expansions the search becomes greedier: the estimate of the cost left
             counts half as much again, and again after twice and four times as many.
+        steering_halvings: If not 0: the curvatures tried are none and the largest, halved up to so many times, to both
+            sides, instead of evenly spaced ones. Beside a kerb only small steering angles are free.
 
     Raises:
         InputError: A number is outside its range; all such are named.
@@ -33,6 +35,7 @@ class Resolution:
     max_expansions: int
     halvings: int = 3
     patience: int = 2000
+    steering_halvings: int = 0
 
     def __post_init__(self) -> None:
         check(self, _RANGES)
@@ -45,10 +48,17 @@ _RANGES: Ranges = {
     "step": (above_0, "a positive part of the body's width"),
     "max_expansions": (count_from(1, MOST_EXPANSIONS), f"between 1 and {MOST_EXPANSIONS}"),
     "halvings": (count_from(0, 10), "between 0 and 10"),
+    "steering_halvings": (count_from(0, 10), "between 0 and 10"),
     "patience": (count_from(1, MOST_EXPANSIONS), f"between 1 and {MOST_EXPANSIONS}"),
 }
 
 COARSE = Resolution("coarse", 0.2, 72, 0.3, max_expansions=30_000, halvings=0, patience=500)
 MEDIUM = Resolution("medium", 0.1, 108, 0.18, max_expansions=100_000)
-FINE = Resolution("fine", 0.05, 180, 0.1, max_expansions=200_000)
+FINE = Resolution("fine", 0.05, 180, 0.1, max_expansions=100_000)
 FINEST = Resolution("finest", 0.025, 360, 0.05, max_expansions=200_000)
+
+# Between walls: small turns count, and a move goes as far as it can.
+NARROW = Resolution("narrow", 0.1, 360, 0.3, max_expansions=60_000, halvings=4, steering_halvings=3)
+NARROWER = Resolution("narrower", 0.05, 720, 0.3, max_expansions=100_000, halvings=4, steering_halvings=3)
+NARROWEST = Resolution("narrowest", 0.05, 720, 0.2, max_expansions=100_000, halvings=4, steering_halvings=3)
+SMALL_TURNS = Resolution("small turns", 0.05, 1440, 0.3, max_expansions=100_000, halvings=5, steering_halvings=3)

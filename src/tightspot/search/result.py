@@ -84,7 +84,7 @@ class SearchResult:
     Attributes:
         status: How the search ended.
         path: ``None`` unless the status is ``FOUND``.
-        attempts: What was tried, in order.
+        attempts: What was tried, in order, but the one that found the path last.
         closed_poses: With ``keep_closed``: the poses expanded, shape (n, 3); otherwise (0, 3).
     """
 
