@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -90,8 +90,8 @@ def verify(
     played = replay(vehicle, trajectory, tolerance=settings.tolerance)
     names = [name for name, _ in scenario.obstacle_parts]
     polygons = [polygon for _, polygon in scenario.obstacle_parts]
-    corners = [scenario.workspace.vertices, *(polygon.vertices for polygon in polygons)]
-    motion = ReplayedMotion.of(played, extent=max(float(np.abs(vertices).max()) for vertices in corners))
+    corners = np.concatenate([scenario.workspace.vertices, *(polygon.vertices for polygon in polygons)])
+    motion = ReplayedMotion.of(played, extent=float(np.abs(corners).max()))
     pairs, walls = (
         ObstaclePairs(len(vehicle.parts), polygons),
         WorkspacePairs(len(vehicle.parts), scenario.workspace),
@@ -157,25 +157,27 @@ def _workspace_check(inside: Cover) -> Check:
 def _pair_proofs(motion: Motion, pairs: Pairs, clear: Cover, names: Sequence[str]) -> list[PairProof]:
     """The proofs of the pairs that have one. The line lies midway between what is proved of both sides."""
     middle = clear.support + 0.5 * (clear.proved + motion.pad[pairs.part[clear.pair]])
-    proofs = []
-    for pair, rows in _rows(clear):
-        cuts = np.append(clear.start[rows], clear.end[rows][-1])
-        part, obstacle = motion.names[pairs.part[pair]], names[pairs.barrier[pair]]
-        nx, ny = clear.normal[rows].T
-        proofs.append(PairProof(part, obstacle, cuts, nx, ny, middle[rows], clear.proved[rows]))
-    return proofs
+    parts, obstacles = pairs.part.tolist(), pairs.barrier.tolist()
+    nx, ny = np.ascontiguousarray(clear.normal.T)
+    return [
+        PairProof(motion.names[parts[pair]], names[obstacles[pair]], cuts, nx[r], ny[r], middle[r], clear.proved[r])
+        for pair, r, cuts in _proved(clear)
+    ]
 
 
 def _workspace_proofs(motion: Motion, walls: Pairs, inside: Cover) -> list[WorkspaceProof]:
-    proofs = []
-    for pair, rows in _rows(inside):
-        cuts = np.append(inside.start[rows], inside.end[rows][-1])
-        part, edge = motion.names[walls.part[pair]], int(walls.barrier[pair])
-        proofs.append(WorkspaceProof(part, edge, cuts, inside.proved[rows]))
-    return proofs
+    parts, edges = walls.part.tolist(), walls.barrier.tolist()
+    return [
+        WorkspaceProof(motion.names[parts[pair]], edges[pair], cuts, inside.proved[rows])
+        for pair, rows, cuts in _proved(inside)
+    ]
 
 
-def _rows(found: Cover) -> list[tuple[int, slice]]:
-    """(pair, its rows) of every pair that holds."""
+def _proved(found: Cover) -> Iterator[tuple[int, slice, Array]]:
+    """(pair, its rows, its cuts) of every pair that holds: the beginnings of its intervals and the end of the last."""
     bounds = np.searchsorted(found.pair, np.arange(found.holds.size + 1))
-    return [(pair, slice(bounds[pair], bounds[pair + 1])) for pair in range(found.holds.size) if found.holds[pair]]
+    cuts = np.insert(found.start, bounds[1:], found.end[bounds[1:] - 1])
+    ends = bounds.tolist()
+    for pair in np.flatnonzero(found.holds).tolist():
+        first, last = ends[pair], ends[pair + 1]
+        yield pair, slice(first, last), cuts[first + pair : last + pair + 1]
