@@ -13,6 +13,7 @@
 
 #include "arrays.hpp"
 #include "tightspot/judge/cover.hpp"
+#include "tightspot/judge/sampled.hpp"
 #include "tightspot/judge/single_track.hpp"
 
 namespace nb = nanobind;
@@ -26,6 +27,7 @@ using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device:
 using Indices = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Rows2 = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Rows3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 void need(bool holds, const char* sentence) {
     if (!holds) throw nb::value_error(sentence);
@@ -55,6 +57,18 @@ Walls walls(const Rows2& normals, const Numbers& supports) {
         result.normals.push_back({normals(i, 0), normals(i, 1)});
         result.supports.push_back(supports(i));
     }
+    return result;
+}
+
+Outline outline(const Rows2& vertices) {
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < vertices.shape(0); ++i) points.push_back({vertices(i, 0), vertices(i, 1)});
+    return Outline(std::move(points));
+}
+
+std::vector<Pose> to_poses(const Rows3& rows) {
+    std::vector<Pose> result;
+    for (std::size_t i = 0; i < rows.shape(0); ++i) result.push_back({rows(i, 0), rows(i, 1), rows(i, 2)});
     return result;
 }
 
@@ -216,5 +230,18 @@ void bind_judge(nb::module_& m) {
             "__init__",
             [](Walls* self, const Rows2& normals, const Numbers& supports) { new (self) Walls(walls(normals, supports)); },
             "normals"_a, "supports"_a);
+    m.def(
+        "sampled_clearances",
+        [](const Rows2& part, const Rows3& poses, const Obstacles& obstacles, double far) {
+            need(part.shape(0) >= 3, "a part needs at least three vertices");
+            return column(sampled_clearances(outline(part), to_poses(poses), obstacles, far));
+        },
+        "part"_a, "poses"_a, "obstacles"_a, "far"_a);
+    m.def(
+        "sampled_depths",
+        [](const Rows2& part, const Rows3& poses, const Walls& walls) {
+            return column(sampled_depths(outline(part), to_poses(poses), walls));
+        },
+        "part"_a, "poses"_a, "walls"_a);
     bind_model<SingleTrack>(m, "SingleTrack");
 }

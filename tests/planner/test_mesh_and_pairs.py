@@ -21,12 +21,13 @@ from tightspot.planner.mesh import (
     poses_on,
     steps_for,
 )
-from tightspot.planner.pairs import Room, by_interval, sampled_clearance
+from tightspot.planner.pairs import Room, by_interval
 from tightspot.scenarios import builtin
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid
 from tightspot.vehicles import vehicle
 from tightspot.verification import replay
+from tightspot.verification.sampled import sampled_clearance
 
 
 def drive(inputs: list[tuple[float, float]], step: float = 1.0) -> Trajectory:

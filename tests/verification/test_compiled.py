@@ -14,6 +14,7 @@ from tightspot.trajectory import Trajectory
 from tightspot.vehicles import BodyPart, SingleTrack
 from tightspot.verification import compiled, minimum_clearance, replay, verify
 from tightspot.verification.certificate import digest
+from tightspot.verification.sampled import sampled_clearance, sampled_room
 
 pytestmark = pytest.mark.skipif(compiled._core is None, reason="the core is not built")
 
@@ -216,3 +217,26 @@ print(len(verify(builtin("vertical"), vehicle("paper"), Trajectory([0, 1], state
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.stdout.strip() == "2", done.stderr
+
+
+@pytest.mark.parametrize("far", [0.5, 8.0, np.inf])
+def test_samples_agree(kit, monkeypatch, far):
+    car = articulated(kit)
+    trajectory = kit.wander(car, 8)
+    scenario = crowded(kit, np.random.default_rng(8), trajectory, 6, clear=6.0)
+    states = np.concatenate([trajectory.states, trajectory.states + np.eye(5)[2]])
+    mine = sampled_clearance(states, scenario, car, far), sampled_room(states, scenario, car)
+    monkeypatch.setattr(compiled, "_core", None)
+    its = sampled_clearance(states, scenario, car, far), sampled_room(states, scenario, car)
+    for one, other in zip(mine, its, strict=True):
+        assert one.shape == other.shape
+        np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+def test_samples_of_no_states_and_no_obstacles(kit):
+    car = kit.box_car()
+    trajectory = kit.wander(car, 8)
+    scenario = kit.scene(trajectory)
+    assert sampled_clearance(trajectory.states, scenario, car).shape == (len(trajectory.states), 1, 0)
+    assert sampled_clearance(trajectory.states[:0], scenario, car).shape == (0, 1, 0)
+    assert sampled_room(trajectory.states[:0], scenario, car).shape == (0, 1, 4)

@@ -7,52 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.geometry.separation import clearance
-from tightspot.geometry.transforms import transform
 from tightspot.scenarios.scenario import Scenario
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid
 from tightspot.transcription.sampling import states_at
 from tightspot.vehicles.base import VehicleModel
 from tightspot.verification.replay import Replay
+from tightspot.verification.sampled import sampled_clearance, sampled_room
 
 Array = NDArray[np.float64]
 
 GUESS_SAMPLES = 4
 REPLAY_SAMPLES = 12
-FAR = 8.0
-"""Farther than this, m, nobody asks for the exact distance."""
-
-
-def sampled_clearance(states: Array, scenario: Scenario, vehicle: VehicleModel) -> Array:
-    """Signed distance of every pair at the states (M, n_x), shape (M, parts, obstacle parts).
-
-    Of what is farther than :data:`FAR` it is the distance of the bounding boxes, which is no larger.
-    """
-    frames = vehicle.frames(list(states.T), np)
-    obstacles = [polygon.vertices for _, polygon in scenario.obstacle_parts]
-    result = np.empty((len(states), len(vehicle.parts), len(obstacles)))
-    for i, part in enumerate(vehicle.parts):
-        body = transform(part.polygon.vertices, np.column_stack(frames[part.frame]))
-        low, high = body.min(axis=1), body.max(axis=1)
-        for j, vertices in enumerate(obstacles):
-            gaps = np.maximum(vertices.min(axis=0) - high, low - vertices.max(axis=0))
-            result[:, i, j] = np.hypot(*np.maximum(gaps, 0.0).T)
-            near = result[:, i, j] <= FAR
-            if near.any():
-                result[near, i, j] = clearance(body[near], vertices)
-    return result
-
-
-def sampled_room(states: Array, scenario: Scenario, vehicle: VehicleModel) -> Array:
-    """Distance of every part from every edge of W at the states (M, n_x), negative outside: (M, parts, edges)."""
-    frames = vehicle.frames(list(states.T), np)
-    workspace = scenario.workspace
-    room = np.empty((len(states), len(vehicle.parts), len(workspace.b)))
-    for i, part in enumerate(vehicle.parts):
-        body = transform(part.polygon.vertices, np.column_stack(frames[part.frame]))
-        room[:, i] = (workspace.b - body @ workspace.A.T).min(axis=1)
-    return room
 
 
 def by_interval(samples: Array, per_interval: int) -> Array:

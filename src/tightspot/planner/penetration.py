@@ -14,7 +14,7 @@ from tightspot.formulations import SoftSignedDistance
 from tightspot.geometry import transform
 from tightspot.guesses import Guess, LinearInterpolation, guess
 from tightspot.planner.mesh import steps_for
-from tightspot.planner.pairs import Room, sampled_clearance
+from tightspot.planner.pairs import Room
 from tightspot.planner.request import resolve_solver, resolve_vehicle
 from tightspot.planner.rounds import FEASIBLE
 from tightspot.scenarios import Scenario, check, load
@@ -23,6 +23,7 @@ from tightspot.trajectory import Trajectory
 from tightspot.transcription import Objective, Settings, TimeGrid, transcribe
 from tightspot.vehicles import VehicleModel
 from tightspot.verification.replay import replay
+from tightspot.verification.sampled import sampled_clearance
 
 Array = NDArray[np.float64]
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.planner.pairs import sampled_clearance
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
 from tightspot.scenarios.labels import labels
 from tightspot.solvers import SolveStatus
 from tightspot.solvers.nlp import RowBlock
 from tightspot.verification.certificate import WORKSPACE, Witness
+from tightspot.verification.sampled import sampled_clearance
 
 Array = NDArray[np.float64]
 

@@ -33,6 +33,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+def is_there() -> bool:
+    """Whether the core was built."""
+    return _core is not None
+
+
 def is_compiled(vehicle: VehicleModel) -> bool:
     """Whether the core knows the model. Of a subclass it does not: its methods may mean something else."""
     return _core is not None and type(vehicle) is SingleTrack
@@ -86,6 +91,16 @@ def worst_moments(
 ) -> tuple[Array, Array]:
     """Times and clearances of the pairs' worst moments near the given ones."""
     return _core.judge_worst_moments(body, barriers, pairs.astype(np.int64), times, clearances)
+
+
+def clearances(part: ConvexPolygon, poses: Array, barriers: JudgeObstacles, far: float) -> Array:
+    """See :func:`tightspot.verification.sampled.sampled_clearance`: of one part at the poses (M, 3), all in a row."""
+    return _core.sampled_clearances(part.vertices, np.ascontiguousarray(poses, float), barriers, far)
+
+
+def depths(part: ConvexPolygon, poses: Array, barriers: JudgeWalls) -> Array:
+    """See :func:`tightspot.verification.sampled.sampled_room`: of one part at the poses (M, 3), all in a row."""
+    return _core.sampled_depths(part.vertices, np.ascontiguousarray(poses, float), barriers)
 
 
 def _filled(options: Any, values: dict[str, float]) -> Any:
