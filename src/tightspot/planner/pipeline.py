@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import time
 from collections.abc import Callable
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -155,11 +156,7 @@ def report_of(request: Request, tried: list[Course], total: float) -> dict[str, 
         "rounds": [outcome.to_dict() for outcome in course.rounds],
         "tried": [other.to_dict(request) for other in tried],
         "seconds": total,
-        "versions": {
-            "python": platform.python_version(),
-            "numpy": np.__version__,
-            "casadi": metadata.version("casadi"),
-        },
+        "versions": dict(_versions()),
     }
     if not course.rounds:
         return report
@@ -174,6 +171,15 @@ def report_of(request: Request, tried: list[Course], total: float) -> dict[str, 
         "duration": trajectory.duration,
         "path_length": path_length(trajectory),
         "gear_changes": gear_changes(trajectory),
+    }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "casadi": metadata.version("casadi"),
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from tightspot.guesses import Guess, HybridAStar, guess
 from tightspot.scenarios import Scenario, check, load
 from tightspot.solvers import BACKENDS, Fatrop, Ipopt, Solver, Stagewise
 from tightspot.transcription import Objective, fits_stages
-from tightspot.vehicles import SingleTrack, VehicleModel, from_dict, load_vehicle
+from tightspot.vehicles import CATALOGUE, SingleTrack, VehicleModel, from_dict, load_vehicle
 
 MOST_STEPS = 500
 LARGEST_MARGIN = 10.0
@@ -102,8 +103,16 @@ def resolve_vehicle(scenario: Scenario, vehicle: VehicleModel | str | Path | Non
     wanted = scenario.vehicle if vehicle is None else vehicle
     if isinstance(wanted, VehicleModel):
         return wanted
+    if isinstance(wanted, str) and wanted in CATALOGUE:
+        return _of_catalogue(wanted)
     car: SingleTrack = load_vehicle(wanted) if isinstance(wanted, str | Path) else from_dict(wanted)
     return car
+
+
+@cache
+def _of_catalogue(name: str) -> VehicleModel:
+    """Vehicles are values, so that one of each is enough."""
+    return load_vehicle(name)
 
 
 def resolve_solver(solver: Solver | str | None) -> Solver:

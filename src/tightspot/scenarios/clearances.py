@@ -42,12 +42,9 @@ def clearances(scenario: Scenario, vehicle: VehicleModel, state: Array, reach: f
     """
     bodies = body_vertices(vehicle, state)
     corners = np.vstack([vertices for _, vertices in bodies])
-    near = [
-        (label, part.vertices)
-        for solid in scenario.solids
-        for label, part in zip(solid.labels, solid.parts, strict=True)
-        if box_distance(corners, part.vertices) <= reach
-    ]
+    labels = [label for solid in scenario.solids for label in solid.labels]
+    parts = [part.vertices for _, part in scenario.obstacle_parts]
+    near = [(labels[i], parts[i]) for i in np.flatnonzero(box_distances(corners, parts) <= reach)]
     if not near:
         return []
     padded = padded_vertices([vertices for _, vertices in near])
@@ -90,6 +87,17 @@ def padded_vertices(polygons: list[Array]) -> Array:
     """Vertex lists as one array (len, n, 2); shorter ones repeat their last vertex."""
     n = max(len(vertices) for vertices in polygons)
     return np.stack([np.vstack([v, np.repeat(v[-1:], n - len(v), axis=0)]) for v in polygons])
+
+
+def box_distances(p: Array, polygons: list[Array]) -> Array:
+    """:func:`box_distance` of the points to the vertices of each polygon, m."""
+    if not polygons:
+        return np.zeros(0)
+    vertices = np.concatenate(polygons)
+    first = np.cumsum([0, *(len(polygon) for polygon in polygons[:-1])])
+    low, high = np.minimum.reduceat(vertices, first), np.maximum.reduceat(vertices, first)
+    gaps = np.maximum(np.maximum(low - p.max(axis=0), p.min(axis=0) - high), 0.0)
+    return np.asarray(np.hypot(gaps[:, 0], gaps[:, 1]))
 
 
 def box_distance(p: Array, q: Array) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -64,11 +65,10 @@ def _dynamics(replay: Replay, limits: Limits) -> Iterator[Check]:
     yield upper("dynamics heading", heading, limits.defect_heading, what, "rad")
     vehicle, stored = replay.vehicle, replay.trajectory.states
     groups = {name: group for group, name, _, _ in _SCALARS}
-    for place, (name, unit) in enumerate(zip(vehicle.state_names, vehicle.state_units, strict=True)):
-        if place >= POSE:
-            apart = float(np.abs(stored[:, place] - replay.knots[:, place]).max())
-            group = groups.get(name, name)
-            yield upper(f"dynamics {group}", apart, limits.defect_state, f"{group} at the knots: {what}", unit)
+    apart = np.abs(stored - replay.knots).max(axis=0).tolist()
+    for name, unit, distance in list(zip(vehicle.state_names, vehicle.state_units, apart, strict=True))[POSE:]:
+        group = groups.get(name, name)
+        yield upper(f"dynamics {group}", distance, limits.defect_state, f"{group} at the knots: {what}", unit)
 
 
 def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
@@ -98,11 +98,13 @@ def _goal(scenario: Scenario, replay: Replay) -> Iterator[Check]:
 
 def _distances(replay: Replay, state: Array, wanted: Array) -> Iterator[tuple[str, str, float]]:
     """(group, unit, distance) of the wanted state's entries that are not free (NaN)."""
-    difference = state[:2] - wanted[:2]
-    if not np.isnan(difference).all():
-        yield "position", "m", float(np.hypot(*np.nan_to_num(difference)))
+    names = replay.vehicle.state_names
+    there, asked = state.tolist(), wanted.tolist()
+    apart = [there[i] - asked[i] for i in (0, 1) if not math.isnan(asked[i])]
+    if apart:
+        yield "position", "m", math.hypot(*apart)
     for group, name, place, unit in _SCALARS:
-        if name not in replay.vehicle.state_names or np.isnan(wanted[place]):
+        if name not in names or math.isnan(asked[place]):
             continue
-        gap = float(state[replay.vehicle.state_names.index(name)] - wanted[place])
-        yield group, unit, abs(gap - 2 * np.pi * round(gap / (2 * np.pi))) if name == "theta" else abs(gap)
+        gap = there[names.index(name)] - asked[place]
+        yield group, unit, abs(gap - math.tau * round(gap / math.tau)) if name == "theta" else abs(gap)
