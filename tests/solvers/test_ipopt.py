@@ -55,7 +55,7 @@ def test_rosenbrock_is_solved_to_its_known_minimum():
     assert report.stationarity < 1e-8
     assert report.violation == 0.0
     assert report.iterations > 5
-    assert set(report.timings) == {"build", "solve", "functions"}
+    assert set(report.timings) == {"build", "solve", "functions", "callback"}
 
 
 def test_multipliers_and_active_bounds_of_a_problem_solved_by_hand():

@@ -1,4 +1,4 @@
-"""``tightspot bench paper``: the paper's Table II on this machine, with a report."""
+"""``tightspot bench``: the paper's Table II on this machine, with a report; speed is in :mod:`.bench_speed`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tightspot.cli.bench_speed import speed_command
 from tightspot.cli.console import answers, notes, print_json, print_line
 from tightspot.cli.interrupts import InterruptWatch
 from tightspot.errors import InputError, Problem
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 bench = typer.Typer(name="bench", help="Benchmarks that anyone can run again.", rich_markup_mode=None)
 
 QUICK_LIMIT, LIMIT = 20.0, 60.0
+
+
+bench.command("speed")(speed_command)
 
 
 @bench.callback()

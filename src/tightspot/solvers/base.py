@@ -75,7 +75,7 @@ class SolveReport:
         violation: Largest violation of a row or bound at x, recomputed here, not the solver's word.
         stationarity: Largest entry of the Lagrangian's gradient at x, recomputed here.
         worst: What the most violated row is about.
-        timings: Seconds: ``build`` (symbolic set-up), ``solve``, ``functions`` (inside solve).
+        timings: Seconds: ``build`` (symbolic set-up), ``solve``, inside it ``functions`` and ``callback``.
         backend_status: The backend's own word.
         note: What else there is to tell, for example why functions were not compiled; usually empty.
     """

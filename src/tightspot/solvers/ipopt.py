@@ -139,6 +139,7 @@ class Ipopt(Solver):
         x, g, lam_x, lam_g = (np.array(result[key], float).ravel() for key in ("x", "g", "lam_x", "lam_g"))
         functions = [value for key, value in stats.items() if key.startswith("t_wall_nlp_")]
         timings["functions"] = float(sum(functions))
+        timings["callback"] = float(stats.get("t_wall_callback_fun", 0.0))
         worst, violation = nlp.worst(x, g)
         status = _STATUS.get(stats["return_status"], SolveStatus.FAILED)
         if status is SolveStatus.STOPPED and solver.watcher.late:

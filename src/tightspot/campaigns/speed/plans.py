@@ -1,0 +1,108 @@
+"""From a scene in memory to a certified plan, against hybrid A* and the paper's method on the plan's own mesh."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tightspot.campaigns.speed.cases import by_the_paper, car, quantiles, scenes_about
+from tightspot.errors import PlanningError
+from tightspot.formulations import SeparatingLine
+from tightspot.guesses import HybridAStar
+from tightspot.planner import plan
+from tightspot.scenarios import Scenario
+from tightspot.transcription import Settings, TimeGrid, transcribe
+from tightspot.verification import Plan
+
+PARTS = ("search", "set_up", "solve", "judge")
+SUBSTEPS = 2
+"""As many as the planner takes."""
+
+
+def compare_plans(scene: str, count: int, seed: int, tell: Callable[[str], None]) -> list[dict[str, Any]]:
+    """One case a start: seconds of the plan and its parts, and of the paper's method."""
+    cases = []
+    for number, scenario in enumerate(scenes_about(scene, count, seed, 0.05)):
+        tell(f"plan {scene}, start {number + 1} of {count}")
+        cases.append(compare_plan(scenario))
+    return cases
+
+
+def compare_plan(scenario: Scenario) -> dict[str, Any]:
+    """Plan with the default settings, then do as the paper does on the mesh that was certified."""
+    began = time.process_time()
+    try:
+        found = plan(scenario, vehicle=car())
+    except PlanningError as error:
+        return {"success": False, "seconds": time.process_time() - began, "reason": error.reason}
+    seconds = time.process_time() - began
+    return {"success": True, "seconds": seconds, **_parts(found, seconds), **_by_the_paper(scenario, found)}
+
+
+def _parts(found: Plan, seconds: float) -> dict[str, Any]:
+    """The plan's time, split as its own clock says."""
+    report = found.report
+    clock = {"search": float(report["guess"]["seconds"])}
+    for part in PARTS[1:]:
+        clock[part] = sum(float(outcome["timings"].get(part, 0.0)) for outcome in report["rounds"])
+    share = seconds / max(float(report["seconds"]), 1e-9)
+    return {
+        "parts": {part: share * clock[part] for part in PARTS},
+        "rounds": len(report["rounds"]),
+        "steps": len(found.trajectory.inputs),
+        "solver": report["rounds"][-1]["solve"]["solver"],
+        "tried": len(report["tried"]),
+        "objective": report["objective"]["value"],
+    }
+
+
+def _by_the_paper(scenario: Scenario, found: Plan) -> dict[str, Any]:
+    """Hybrid A* and IPOPT (17) at the plan's knots; building the program is told, but does not count."""
+    vehicle, margin = car(), found.certificate.margin
+    began = time.thread_time()
+    guess = HybridAStar().make(scenario, vehicle, margin=margin).trajectory
+    search = time.thread_time() - began
+    assert guess is not None
+    t = found.trajectory.t
+    fractions = (t - t[0]) / (t[-1] - t[0])
+    fractions[-1] = 1.0
+    settings = Settings(formulation=SeparatingLine(), margin=margin, substeps=SUBSTEPS)
+    began = time.thread_time()
+    nlp = transcribe(scenario, vehicle, guess, settings, grid=TimeGrid(fractions)).nlp
+    transcribed = time.thread_time() - began
+    theirs, seconds = by_the_paper(nlp)
+    return {
+        "search_seconds": search,
+        "ipopt_seconds": seconds,
+        "ipopt_set_up_seconds": transcribed + theirs.timings["build"],
+        "ipopt_success": theirs.status.success,
+        "ipopt_iterations": theirs.iterations,
+    }
+
+
+def plan_summary(cases: list[dict[str, Any]]) -> dict[str, Any]:
+    """Medians and ratios over the cases with a plan."""
+    good = [case for case in cases if case["success"]]
+    if not good:
+        return {"starts": len(cases), "success": 0.0}
+    column = {key: np.array([case[key] for case in good]) for key in ("seconds", "search_seconds", "ipopt_seconds")}
+    build = np.array([case["ipopt_set_up_seconds"] for case in good])
+    reference = column["search_seconds"] + column["ipopt_seconds"]
+    return {
+        "starts": len(cases),
+        "success": len(good) / len(cases),
+        "ipopt_success": float(np.mean([case["ipopt_success"] for case in good])),
+        "ratio": quantiles(reference / column["seconds"]),
+        "ratio_with_building": quantiles((reference + build) / column["seconds"]),
+        "search_ratio": quantiles(column["ipopt_seconds"] / column["search_seconds"]),
+        "milliseconds": quantiles(1e3 * column["seconds"]),
+        "parts_milliseconds": {part: float(1e3 * np.median([case["parts"][part] for case in good])) for part in PARTS},
+        "search_milliseconds": quantiles(1e3 * column["search_seconds"]),
+        "ipopt_milliseconds": quantiles(1e3 * column["ipopt_seconds"]),
+        "ipopt_set_up_milliseconds": float(1e3 * np.median(build)),
+        "steps": float(np.median([case["steps"] for case in good])),
+        "rounds": float(np.median([case["rounds"] for case in good])),
+    }

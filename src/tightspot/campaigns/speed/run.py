@@ -1,0 +1,159 @@
+"""Everything measured, one after the other, in one process."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from tightspot.campaigns.report import Machine
+from tightspot.campaigns.speed.cases import ENERGY_AND_TIME, SCENES, TIME_OPTIMAL, starts
+from tightspot.campaigns.speed.plans import compare_plans, plan_summary
+from tightspot.campaigns.speed.scaling import over_obstacles, over_steps, over_vertices
+from tightspot.campaigns.speed.solves import Case, compare_all, straight, summary
+from tightspot.campaigns.speed.throughput import batch, best_of_many, warm
+from tightspot.errors import InputError, Problem
+from tightspot.solvers import Stagewise
+
+WEIGHTS = {"energy and time": ENERGY_AND_TIME, "time-optimal": TIME_OPTIMAL}
+FORMAT = "tightspot-speed/1"
+
+
+@dataclass(frozen=True)
+class SpeedPlan:
+    """How much is measured.
+
+    Attributes:
+        starts: Starts a scene, for solves.
+        straight: Of these, from straight-line guesses, too.
+        plans: Starts a scene, for whole plans.
+        batch: Problems in the batch.
+        runs: Seeds a scene for the best of many.
+        steps: Numbers of intervals of the scaling table.
+        obstacles: Numbers of obstacles.
+        vertices: Numbers of vertices an obstacle, multiples of 4.
+        ipopt_steps: IPOPT solves meshes of up to so many intervals.
+        ipopt_obstacles: IPOPT solves programs of up to so many obstacles.
+        seed: Of the starts.
+    """
+
+    starts: int = 100
+    straight: int = 34
+    plans: int = 100
+    batch: int = 100
+    runs: int = 100
+    steps: tuple[int, ...] = (20, 40, 80, 160, 320, 640)
+    obstacles: tuple[int, ...] = (2, 10, 30, 100, 300, 1000)
+    vertices: tuple[int, ...] = (4, 8, 16, 32, 64)
+    ipopt_steps: int = 320
+    ipopt_obstacles: int = 30
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        counts = {name: getattr(self, name) for name in ("starts", "straight", "plans", "batch", "runs")}
+        problems = [Problem(name, f"{count} must be at least 1") for name, count in counts.items() if count < 1]
+        if self.seed < 0:
+            problems.append(Problem("seed", f"{self.seed} must not be negative"))
+        if problems:
+            raise InputError(problems)
+
+
+FULL = SpeedPlan()
+QUICK = SpeedPlan(
+    starts=3, straight=1, plans=2, batch=10, runs=2,
+    steps=(20, 80, 320), obstacles=(2, 10, 100, 1000), vertices=(4, 16, 64), ipopt_steps=20, ipopt_obstacles=2,
+)  # fmt: skip
+
+
+def run_speed(plan: SpeedPlan = FULL, *, progress: Callable[[str], None] | None = None) -> dict[str, Any]:
+    """Measure, and put the figures together as plain data.
+
+    Args:
+        plan: How much.
+        progress: Called with what is measured next; what it raises ends the run.
+
+    Returns:
+        The headline figures (``solve_ratio``, ``plan_ratio``, ``success``, ``solves_per_second`` and others, see
+        docs/speed.md), the machine, and under ``solves``, ``straight_lines``, ``plans``, ``scaling``, ``warm``,
+        ``batch`` and ``best_of_many`` what they come from.
+    """
+    began = time.perf_counter()
+    tell = progress or (lambda news: None)
+    given = {scene: list(starts(scene, plan.starts, plan.seed)) for scene in SCENES}
+    solves = {
+        name: {scene: compare_all(given[scene], weight, tell) for scene in SCENES} for name, weight in WEIGHTS.items()
+    }
+    lines = {
+        scene: compare_all([straight(start) for start in given[scene][: plan.straight]], ENERGY_AND_TIME, tell)
+        for scene in SCENES
+    }
+    plans = {scene: compare_plans(scene, plan.plans, plan.seed, tell) for scene in SCENES}
+    vertical = (given["vertical"] * -(-plan.batch // len(given["vertical"])))[: plan.batch]
+    result: dict[str, Any] = {
+        "solves": {name: with_all(cases) for name, cases in solves.items()},
+        "straight_lines": with_all(lines),
+        "plans": {scene: plan_summary(cases) for scene, cases in plans.items()}
+        | {"all": plan_summary([case for cases in plans.values() for case in cases])},
+        "warm": {scene: warm(given[scene][: plan.plans], plan.seed, tell) for scene in SCENES},
+        "batch": batch(vertical, tell),
+        "best_of_many": best_of_many(plan.runs, plan.seed, tell),
+        "scaling": {
+            "steps": over_steps(plan.steps, plan.ipopt_steps, tell),
+            "obstacles": over_obstacles(plan.obstacles, plan.ipopt_obstacles, 3, tell),
+            "vertices": over_vertices(plan.vertices, tell),
+        },
+        "cases": {
+            "solves": {name: _distributions(cases) for name, cases in solves.items()},
+            "plans": {scene: [case["seconds"] for case in cases] for scene, cases in plans.items()},
+        },
+    }
+    machine = Machine.here()
+    conditions = {
+        "format": FORMAT,
+        "machine": {**asdict(machine), "versions": dict(machine.versions)},
+        "plan": asdict(plan),
+        "solver": Stagewise.name,
+        "seconds": time.perf_counter() - began,
+    }
+    return {**headline(result), **conditions, **result}
+
+
+def headline(result: dict[str, Any]) -> dict[str, Any]:
+    """The figures that one looks at first."""
+    main, fast = (result["solves"][name]["all"] for name in WEIGHTS)
+    lines, plans, scaling = result["straight_lines"]["all"], result["plans"]["all"], result["scaling"]
+    warm_ratios = [found["ratio"]["median"] for found in result["warm"].values() if "ratio" in found]
+    return {
+        "solve_ratio": main["ratio"]["median"],
+        "solve_ratio_time_optimal": fast["ratio"]["median"],
+        "plan_ratio": plans["ratio"]["median"] if "ratio" in plans else None,
+        "search_ratio": plans["search_ratio"]["median"] if "ratio" in plans else None,
+        "success": main["success"],
+        "success_time_optimal": fast["success"],
+        "success_ipopt": main["ipopt_success"],
+        "success_plans": plans["success"],
+        "straight_line_ratio": lines["ratio"]["median"],
+        "straight_line_success": lines["success"],
+        "solves_per_second": result["batch"]["solves_per_second"],
+        "warm_ratio": float(np.median(warm_ratios)) if warm_ratios else None,
+        "best_of_many_found": {scene: row["found"] / row["runs"] for scene, row in result["best_of_many"].items()},
+        "slope_steps": scaling["steps"]["slopes"]["seconds_per_iteration"],
+        "slope_steps_solve": scaling["steps"]["slopes"]["seconds"],
+        "slope_obstacles": scaling["obstacles"]["slopes"]["seconds_per_iteration"],
+        "plan_growth_obstacles": scaling["obstacles"]["plan_growth"]["times"],
+    }
+
+
+def with_all(cases: dict[str, list[Case]]) -> dict[str, Any]:
+    """The summary of each scene and of all together."""
+    everything = [case for some in cases.values() for case in some]
+    return {scene: summary(some) for scene, some in cases.items()} | {"all": summary(everything)}
+
+
+def _distributions(cases: dict[str, list[Case]]) -> dict[str, Any]:
+    """Of each scene what the figures draw."""
+    names = ("seconds", "ipopt_seconds", "objective", "ipopt_objective", "success", "ipopt_success")
+    return {scene: {name: [case[name] for case in some] for name in names} for scene, some in cases.items()}
