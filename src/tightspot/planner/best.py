@@ -45,6 +45,8 @@ GUESSES = 60
 SLOW_GUESSES = 6
 """With solvers that take a hundred times as long."""
 MOST_COURSES = 8
+MOST_AHEAD = 4
+"""Courses beside each other: what the first ones come to may make the later ones unwanted."""
 FINER = (1.5, 2.0)
 AT_ONCE = 8
 SOLVE_SECONDS = 1.0
@@ -184,7 +186,7 @@ def _courses(
         return attempt(request, candidate.member, listen, deadline, candidate.found, candidate.solved)
 
     courses: list[Course] = []
-    with closing(in_order(run, candidates, cores_for(request), unwanted.set)) as results:
+    with closing(in_order(run, candidates, min(cores_for(request), MOST_AHEAD), unwanted.set)) as results:
         for candidate in candidates:
             if candidate.hopes >= best or time.perf_counter() > deadline:
                 break

@@ -218,7 +218,9 @@ def on_all_cores(
 
 def cores_for(request: Request) -> int:
     """How many courses may run beside each other: only the stagewise solver lets go of Python's lock."""
-    return os.cpu_count() or 1 if isinstance(request.solver, Stagewise) else 1
+    if not isinstance(request.solver, Stagewise):
+        return 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _any_certified(courses: Sequence[Course]) -> bool:
