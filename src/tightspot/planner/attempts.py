@@ -74,10 +74,11 @@ def least_penetration(request: Request, starts: Sequence[Start], deadline: float
                 request.scenario,
                 request.vehicle,
                 start.trajectory,
-                solver.with_time_limit(seconds),
+                solver,
                 objective=request.objective,
                 steps=request.steps or steps_for(start.trajectory),
                 margin=request.margin,
+                deadline=time.perf_counter() + seconds,
             )
         except PlanningError:
             continue

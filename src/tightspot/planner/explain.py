@@ -15,6 +15,7 @@ from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.passing import Deeper
 from tightspot.planner.penetration import Contact, Penetration
 from tightspot.planner.progress import Progress, ProgressCallback
+from tightspot.planner.reach import SECONDS as REACH_SECONDS
 from tightspot.planner.reach import reach_of
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
@@ -37,6 +38,8 @@ from tightspot.verification import Witness
 
 SECONDS = 60.0
 """That the deeper analysis may take."""
+SHORTEST = 0.2
+"""For each of the searches that show what can be reached, however late it is, s."""
 CLOSE_ENOUGH = 1e-3
 """A trajectory that is nearer than the margin by less than this does not explain a failure, m."""
 
@@ -93,7 +96,7 @@ def _cured(
 
 
 def explain_no_guess(
-    request: Request, found: GuessResult, tell: ProgressCallback, seconds: float | None
+    request: Request, found: GuessResult, tell: ProgressCallback, seconds: float | None, until: float = np.inf
 ) -> Explanation:
     """Why there was nothing to begin with: no path, or a guess that is itself a failed optimisation.
 
@@ -102,13 +105,14 @@ def explain_no_guess(
         found: Without a trajectory.
         tell: Told what goes on.
         seconds: For the deeper analysis; ``None``: none is wanted.
+        until: When the rest shall be done, by the clock of :func:`time.perf_counter`, s.
     """
     tell(Progress("explain", "how far the search came"))
     narrow = bottleneck(request.scenario, request.vehicle, request.margin)
     reach = None
     if isinstance(found.details, SearchResult) and isinstance(request.vehicle, SingleTrack):
         options = request.guess.options if isinstance(request.guess, HybridAStar) else None
-        reach = reach_of(request.scenario, request.vehicle, found.details, options)
+        reach = reach_of(request.scenario, request.vehicle, found.details, options, _share(until))
     kind = FailureKind.SOLVER_STOPPED if reach is None and narrow is None else FailureKind.NO_PATH
     deeper, least = None, None
     if seconds is not None:
@@ -132,12 +136,19 @@ def explain_no_guess(
     )
 
 
-def explain_rounds(request: Request, rounds: list[Round], tell: ProgressCallback, seconds: float | None) -> Explanation:
+def _share(until: float) -> float:
+    """Half of what is left for the two searches that show what can be reached, s."""
+    return float(np.clip((until - time.perf_counter()) / 2, SHORTEST, REACH_SECONDS))
+
+
+def explain_rounds(
+    request: Request, rounds: list[Round], tell: ProgressCallback, seconds: float | None, until: float = np.inf
+) -> Explanation:
     """Why no round was certified; arguments as for :func:`explain_no_guess`."""
     narrow = bottleneck(request.scenario, request.vehicle, request.margin)
     if rounds[-1].certificate is not None and narrow is None:
         return _not_certified(request, rounds, tell, seconds)
-    return _not_solved(request, rounds, narrow, tell, seconds)
+    return _not_solved(request, rounds, narrow, tell, seconds, until)
 
 
 def _not_certified(request: Request, rounds: list[Round], tell: ProgressCallback, seconds: float | None) -> Explanation:
@@ -164,7 +175,12 @@ def _not_certified(request: Request, rounds: list[Round], tell: ProgressCallback
 
 
 def _not_solved(
-    request: Request, rounds: list[Round], narrow: Bottleneck | None, tell: ProgressCallback, seconds: float | None
+    request: Request,
+    rounds: list[Round],
+    narrow: Bottleneck | None,
+    tell: ProgressCallback,
+    seconds: float | None,
+    until: float,
 ) -> Explanation:
     """Why the last round was not solved, or why its solution cannot be any good if there is no way at all."""
     last = rounds[-1]
@@ -178,7 +194,7 @@ def _not_solved(
         deeper, least = deeper_analysis(request, starts, tell, deadline)
     elif gave_up or narrow is not None:
         tell(Progress("explain", "the trajectory that penetrates least"))
-        least = least_penetration(request, starts[:2], time.perf_counter() + PENETRATION_SECONDS)
+        least = least_penetration(request, starts[:2], min(until, time.perf_counter() + PENETRATION_SECONDS))
     near = None if least is None else too_near(least, request.margin)
     trajectory: Trajectory = last.trajectory
     witness = stop.witness

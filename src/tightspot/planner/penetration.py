@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -162,20 +163,25 @@ def shallowest(
     steps: int,
     margin: float,
     weight: float = 100.0,
+    deadline: float = np.inf,
 ) -> Penetration:
-    """:func:`minimum_penetration` from a trajectory."""
+    """:func:`minimum_penetration` from a trajectory.
+
+    After ``deadline``, by the clock of :func:`time.perf_counter`, s, the solver stops, and no pair is added any more.
+    """
     grid = TimeGrid.uniform(steps)
     active = Room.of_guess(start, grid, scenario, vehicle).obstacles < REACH
     settings = Settings(objective, SoftSignedDistance(), margin=margin, penalty_weight=weight)
     for _ in range(PASSES):
         problem = transcribe(scenario, vehicle, start, settings, grid=grid, active=active)
-        report = solver.solve(problem.nlp)
+        limited = solver.with_time_limit(deadline - time.perf_counter())
+        report = limited.solve(problem.nlp)
         trajectory = problem.trajectory(np.nan_to_num(report.x))
         if not report.violation <= FEASIBLE:
             reason = f"The solver found no trajectory, with collisions or without: {report.status.sentence}"
             raise PlanningError(reason, trajectory=trajectory, report={"solve": report.to_dict(), "rounds": []})
         near = Room.of_guess(trajectory, grid, scenario, vehicle).obstacles
-        if not ((near < margin) & ~active).any():
+        if not ((near < margin) & ~active).any() or time.perf_counter() > deadline:
             break
         active, start = active | (near < REACH), trajectory
     motion = replay(vehicle, trajectory)

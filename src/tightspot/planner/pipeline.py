@@ -31,6 +31,9 @@ from tightspot.transcription import Objective
 from tightspot.vehicles import VehicleModel
 from tightspot.verification import Plan
 
+GRACE = 5.0
+"""For saying why there is no plan when the time is up, s."""
+
 
 def plan(
     scenario: Scenario | str | Path,
@@ -66,7 +69,8 @@ def plan(
         steps: Number of intervals to begin with; default: from the guess's length and gear changes.
         margin: Demanded clearance, m; default: the scenario's.
         refinements: Largest number of re-solves.
-        time_limit: No new round begins after this many seconds, and the solver is given what is left of them.
+        time_limit: No new round begins after this many seconds, and the solver is given what is left of them. Why there
+            is no plan is then found out within a few seconds more.
         effort: ``fast``: one guess. ``balanced``: if that fails, other guesses and meshes, until one is certified.
             ``best``: all of them, on all cores; the certified plan with the smallest J. The report's ``tried`` lists
             them.
@@ -139,7 +143,7 @@ def plan_request(
     report = report_of(request, tried, time.perf_counter() - started)
     last = course.rounds[-1] if course.rounds else None
     if last is None or last.certificate is None or not last.certificate.certified:
-        raise _failure(_explained(request, tried, tell, seconds), course.rounds, report)
+        raise _failure(_explained(request, tried, tell, seconds, deadline + GRACE), course.rounds, report)
     return Plan(request.scenario, request.vehicle, last.trajectory, last.certificate, report), last
 
 
@@ -183,14 +187,16 @@ def _versions() -> dict[str, str]:
     }
 
 
-def _explained(request: Request, tried: list[Course], tell: ProgressCallback, seconds: float | None) -> Explanation:
+def _explained(
+    request: Request, tried: list[Course], tell: ProgressCallback, seconds: float | None, until: float
+) -> Explanation:
     """Why nothing was certified: there is no path, unless a search found one; or what the last course came to."""
     searched = [course for course in tried if isinstance(course.found.details, SearchResult)]
     if searched and not any(course.rounds for course in searched):
-        return explain_no_guess(request, searched[0].found, tell, seconds)
+        return explain_no_guess(request, searched[0].found, tell, seconds, until)
     if not tried[-1].rounds:
-        return explain_no_guess(request, tried[-1].found, tell, seconds)
-    return explain_rounds(request, tried[-1].rounds, tell, seconds)
+        return explain_no_guess(request, tried[-1].found, tell, seconds, until)
+    return explain_rounds(request, tried[-1].rounds, tell, seconds, until)
 
 
 def _failure(explanation: Explanation, rounds: list[Round], report: dict[str, Any]) -> PlanningError:

@@ -85,7 +85,13 @@ class Reach:
         }
 
 
-def reach_of(scenario: Scenario, car: SingleTrack, result: SearchResult, options: HybridAStarOptions | None) -> Reach:
+def reach_of(
+    scenario: Scenario,
+    car: SingleTrack,
+    result: SearchResult,
+    options: HybridAStarOptions | None,
+    seconds: float = SECONDS,
+) -> Reach:
     """From the attempts that failed, and two short searches that keep what they reach.
 
     Args:
@@ -93,6 +99,7 @@ def reach_of(scenario: Scenario, car: SingleTrack, result: SearchResult, options
         car: With what.
         result: Without a path.
         options: Of that search; its default if ``None``.
+        seconds: For each of the two searches.
     """
     margin = min(attempt.margin for attempt in result.attempts)
     ended = [
@@ -103,8 +110,8 @@ def reach_of(scenario: Scenario, car: SingleTrack, result: SearchResult, options
     limits = {attempt.outcome for attempt in result.attempts} & {SearchStatus.LIMIT_REACHED, SearchStatus.TIME_LIMIT}
     options = options or HybridAStarOptions()
     goal = known(scenario.goal)[:3]
-    from_start = _reached(scenario, car, margin, options, Direction.FORWARD)
-    from_goal = _reached(scenario, car, margin, options, Direction.BACKWARD)
+    from_start = _reached(scenario, car, margin, options, Direction.FORWARD, seconds)
+    from_goal = _reached(scenario, car, margin, options, Direction.BACKWARD, seconds)
     away = np.hypot(*(from_start[:, :2] - goal[:2]).T)
     turned = np.abs((from_start[:, 2] - goal[2] + np.pi) % (2 * np.pi) - np.pi)
     body = max(part.polygon.radius for part in car.parts)
@@ -131,7 +138,12 @@ _LIMITS = {SearchStatus.LIMIT_REACHED: "the limit on expansions", SearchStatus.T
 
 
 def _reached(
-    scenario: Scenario, car: SingleTrack, margin: float, options: HybridAStarOptions, direction: Direction
+    scenario: Scenario,
+    car: SingleTrack,
+    margin: float,
+    options: HybridAStarOptions,
+    direction: Direction,
+    seconds: float,
 ) -> Array:
     """Poses expanded by one search from one end at a moderate resolution, that end among them."""
     resolution = options.resolutions[min(1, len(options.resolutions) - 1)]
@@ -140,7 +152,7 @@ def _reached(
         resolutions=(resolution,),
         margins=(margin,),
         directions=(direction,),
-        time_limit=SECONDS,
+        time_limit=seconds,
         keep_closed=True,
     )
     start, goal = known(scenario.start)[:3], known(scenario.goal)[:3]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
 from tightspot.scenarios.labels import labels
-from tightspot.solvers import SolveStatus
-from tightspot.solvers.nlp import RowBlock
+from tightspot.solvers import SolveStatus, StageReport
+from tightspot.solvers.stage_order import order_of
 from tightspot.verification.certificate import WORKSPACE, Witness
 from tightspot.verification.sampled import sampled_clearance
 
@@ -94,41 +94,78 @@ class SolverStop:
         }
 
 
+class _Violated(NamedTuple):
+    """Rows of one meaning, at the end of interval ``knot - 1``: ``key`` is (part,) or (part, obstacle part)."""
+
+    kind: str
+    knot: int
+    key: tuple[int, ...]
+    amount: float
+
+
 def solver_stop(request: Request, rounds: list[Round]) -> SolverStop:
     """Of the last round, which is one that was not solved."""
     last = rounds[-1]
-    blocks = [block for block in last.transcription.nlp.blocks if block.rows.stop > block.rows.start]
-    worst = _worst(request, last, blocks)
+    report = last.report
+    violated = _of_stages(report) if isinstance(report, StageReport) else _of_program(last)
+    worst = _worst(request, last, violated)
     knot = None if worst is None else int(np.argmin(np.abs(last.trajectory.t - worst.end)))
     return SolverStop(
-        status=last.report.status,
-        iterations=last.report.iterations,
+        status=report.status,
+        iterations=report.iterations,
         rounds=len(rounds),
-        violation=last.report.violation,
+        violation=report.violation,
         worst=worst,
-        tightest=_worst(request, last, [block for block in blocks if block.kind != "dynamics"]),
+        tightest=_worst(request, last, [each for each in violated if each.kind != "dynamics"]),
         pose=None if knot is None else _pose(last.trajectory.states[knot]),
         nearest=_nearest(request, last),
         margin=request.margin,
     )
 
 
-def _worst(request: Request, last: Round, blocks: list[RowBlock]) -> WorstConstraint | None:
-    """The most violated of the blocks, if any is violated."""
-    rows = np.nan_to_num(last.transcription.nlp.violation(last.report.g), nan=np.inf)
-    violations = [float(rows[block.rows].max()) for block in blocks]
-    worst = int(np.argmax(violations)) if violations else 0
-    if not violations or violations[worst] <= 0:
+def _of_program(last: Round) -> list[_Violated]:
+    """How much each block of the nonlinear program's rows is violated."""
+    nlp = last.transcription.nlp
+    rows = np.nan_to_num(nlp.violation(last.report.g), nan=np.inf)
+    blocks = [block for block in nlp.blocks if block.rows.stop > block.rows.start]
+    return [_Violated(block.kind, block.knot, block.key, float(rows[block.rows].max())) for block in blocks]
+
+
+def _of_stages(report: StageReport) -> list[_Violated]:
+    """The most violated row of each kind, from the stagewise solver's arrays: no symbols are needed for that."""
+    problem = report.problem
+    assert problem is not None
+    order = order_of(problem)
+    parts = problem.part_radii.size
+    defects = np.nan_to_num(np.abs(report.g[order.dynamics]).max(axis=1), nan=np.inf)
+    found = [_Violated("dynamics", int(defects.argmax()) + 1, (), float(defects.max()))]
+    rows = np.nan_to_num(-order.signs * report.g[order.rows], nan=np.inf)
+    for kind, mine in (("workspace", order.pair_of_row < 0), ("separation", order.pair_of_row >= 0)):
+        if not mine.any():
+            continue
+        row = int(np.flatnonzero(mine)[rows[mine].argmax()])
+        interval, part = divmod(int(order.place_of_row[row]), parts)
+        key = (part,) if kind == "workspace" else (part, int(problem.pairs[order.pair_of_row[row], 2]))
+        found.append(_Violated(kind, interval + 1, key, float(rows[row])))
+    return found
+
+
+def _worst(request: Request, last: Round, violated: list[_Violated]) -> WorstConstraint | None:
+    """The most violated, if any is violated."""
+    if not violated:
         return None
-    block, names, obstacle, part = blocks[worst], request.scenario.obstacle_parts, "", ""
-    if block.kind in ("workspace", "separation"):
-        part = request.vehicle.parts[block.key[0]].name
-        obstacle = WORKSPACE if block.kind == "workspace" else names[block.key[1]][0]
-    t, k = last.trajectory.t, block.knot
-    throughout = block.kind == "dynamics" or last.mesh.formulation.holds == "interval"
+    kind, k, key, amount = max(violated, key=lambda each: each.amount)
+    if amount <= 0:
+        return None
+    names, obstacle, part = request.scenario.obstacle_parts, "", ""
+    if kind in ("workspace", "separation"):
+        part = request.vehicle.parts[key[0]].name
+        obstacle = WORKSPACE if kind == "workspace" else names[key[1]][0]
+    t = last.trajectory.t
+    throughout = kind == "dynamics" or last.mesh.formulation.holds == "interval"
     start = float(t[k - 1] if throughout and k > 0 else t[k])
     label = labels(request.scenario).get(obstacle, obstacle)
-    return WorstConstraint(block.kind, part, obstacle, label, start, float(t[k]), violations[worst])
+    return WorstConstraint(kind, part, obstacle, label, start, float(t[k]), amount)
 
 
 def _nearest(request: Request, last: Round) -> Witness | None:

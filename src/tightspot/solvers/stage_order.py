@@ -59,6 +59,7 @@ class StageOrder:
         rows: Of each of the core's rows, (m,).
         signs: 1 where the Nlp's row is the core's, -1 where it is its negative, (m,).
         pair_of_row: The pair of each row, -1 for walls, (m,).
+        place_of_row: ``interval * parts + part`` of each row, (m,).
         units: Of each pair's row ``|lam|^2 <= 1``, (n,), if the form has one.
         dynamics: (N, n_x).
         n_rows: Number of rows of g.
@@ -72,6 +73,7 @@ class StageOrder:
     rows: Index
     signs: Array
     pair_of_row: Index
+    place_of_row: Index
     units: Index
     dynamics: Index
     n_rows: int
@@ -182,6 +184,7 @@ def _with_rows(problem: StageProblem, states: Index, inputs: Index, lines: Index
         rows,
         signs=np.where(np.repeat(negative, sizes), -1.0, 1.0),
         pair_of_row=np.repeat(about, sizes),
+        place_of_row=np.repeat(keys // 2, sizes),
         units=pair_ends if unit else pair_ends[:0],
         dynamics=dynamics[:, None] + np.arange(n_x),
         n_rows=int(rows.size + n_x * steps + unit * pair_ends.size),
