@@ -2,6 +2,7 @@
 # make test   everything that must hold: lint, types, import layers, C++ tests under sanitizers, docs, pytest
 # make docs   build the documentation into site/
 # make bench  plan all scenes, replay them independently, write benchmarks/results/
+# make speed  measure the speed against the paper's method, write benchmarks/results/speed.md and docs/images
 # make clean  remove everything that was made, the virtual environment included
 #
 # Choose another interpreter with `make PYTHON=python3.12 ...`.
@@ -16,7 +17,7 @@ ifneq ($(shell $(BIN)/python -c 'import pip; print("usable")' 2>/dev/null),usabl
 $(shell rm -f $(VENV)/.made $(VENV)/.installed-*)
 endif
 
-.PHONY: demo test docs bench clean
+.PHONY: demo test docs bench speed clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.made:
@@ -53,6 +54,9 @@ docs: $(VENV)/.installed-dev
 
 bench: $(VENV)/.installed-dev
 	$(BIN)/python -m benchmarks.plan_scenes
+
+speed: $(VENV)/.installed-dev
+	$(BIN)/python -m benchmarks.speed
 
 clean:
 	rm -rf $(VENV) build demo site benchmarks/__pycache__ .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -50,7 +50,7 @@ def speed_command(
                 console.print(news.ljust(60), end="\r", markup=False, highlight=False)
 
         result = run_speed(plan, progress=progress)
-    pictures = _draw(result, output) if picture and importlib.util.find_spec("matplotlib") else {}
+    pictures = draw(result, output) if picture and importlib.util.find_spec("matplotlib") else {}
     files = _write(result, output, speed_report(result, pictures), pictures)
     if json:
         print_json({**result, "files": files})
@@ -71,7 +71,7 @@ def _scalars(result: dict[str, Any]) -> dict[str, float | None]:
     return {name: result[name] for name in ASKED}
 
 
-def _draw(result: dict[str, Any], directory: Path) -> dict[str, str]:
+def draw(result: dict[str, Any], directory: Path) -> dict[str, str]:
     """Caption to file name of each figure."""
     from tightspot.plotting import save
     from tightspot.plotting.speed_figures import figure_distribution, figure_plan_times, figure_scaling

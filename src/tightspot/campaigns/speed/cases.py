@@ -23,6 +23,9 @@ from tightspot.vehicles import SingleTrack, vehicle
 
 SCENES = ("oblique", "vertical", "parallel")
 GAP = 0.002
+MARGIN = 0.05
+"""Of plans, m: the scenes' own."""
+
 STEPS = 20
 AROUND = np.array([1.0, 0.5, 0.2])
 """Starts are drawn from the scene's by at most so much: m, m, rad."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tightspot.campaigns.speed.cases import by_the_paper, car, quantiles, scenes_about
+from tightspot.campaigns.speed.cases import MARGIN, by_the_paper, car, quantiles, scenes_about
 from tightspot.errors import PlanningError
 from tightspot.formulations import SeparatingLine
 from tightspot.guesses import HybridAStar
@@ -25,7 +25,7 @@ SUBSTEPS = 2
 def compare_plans(scene: str, count: int, seed: int, tell: Callable[[str], None]) -> list[dict[str, Any]]:
     """One case a start: seconds of the plan and its parts, and of the paper's method."""
     cases = []
-    for number, scenario in enumerate(scenes_about(scene, count, seed, 0.05)):
+    for number, scenario in enumerate(scenes_about(scene, count, seed, MARGIN)):
         tell(f"plan {scene}, start {number + 1} of {count}")
         cases.append(compare_plan(scenario))
     return cases

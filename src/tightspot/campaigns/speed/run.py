@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from tightspot.campaigns.report import Machine
-from tightspot.campaigns.speed.cases import ENERGY_AND_TIME, SCENES, TIME_OPTIMAL, starts
+from tightspot.campaigns.speed.cases import ENERGY_AND_TIME, MARGIN, SCENES, TIME_OPTIMAL, Start, scenes_about, starts
 from tightspot.campaigns.speed.plans import compare_plans, plan_summary
 from tightspot.campaigns.speed.scaling import over_obstacles, over_steps, over_vertices
 from tightspot.campaigns.speed.solves import Case, compare_all, straight, summary
-from tightspot.campaigns.speed.throughput import batch, best_of_many, warm
+from tightspot.campaigns.speed.throughput import batch, best_of_many, warm, warm_plans
 from tightspot.errors import InputError, Problem
 from tightspot.solvers import Stagewise
 
@@ -78,11 +78,11 @@ def run_speed(plan: SpeedPlan = FULL, *, progress: Callable[[str], None] | None 
     Returns:
         The headline figures (``solve_ratio``, ``plan_ratio``, ``success``, ``solves_per_second`` and others, see
         docs/speed.md), the machine, and under ``solves``, ``straight_lines``, ``plans``, ``scaling``, ``warm``,
-        ``batch`` and ``best_of_many`` what they come from.
+        ``warm_plans``, ``batch`` and ``best_of_many`` what they come from.
     """
     began = time.perf_counter()
     tell = progress or (lambda news: None)
-    given = {scene: list(starts(scene, plan.starts, plan.seed)) for scene in SCENES}
+    given = {scene: _told(starts(scene, plan.starts, plan.seed), scene, tell) for scene in SCENES}
     solves = {
         name: {scene: compare_all(given[scene], weight, tell) for scene in SCENES} for name, weight in WEIGHTS.items()
     }
@@ -97,6 +97,10 @@ def run_speed(plan: SpeedPlan = FULL, *, progress: Callable[[str], None] | None 
         "straight_lines": with_all(lines),
         "plans": {scene: plan_summary(cases) for scene, cases in plans.items()}
         | {"all": plan_summary([case for cases in plans.values() for case in cases])},
+        "warm_plans": {
+            scene: warm_plans(list(scenes_about(scene, plan.plans, plan.seed, MARGIN)), plan.seed, tell)
+            for scene in SCENES
+        },
         "warm": {scene: warm(given[scene][: plan.plans], plan.seed, tell) for scene in SCENES},
         "batch": batch(vertical, tell),
         "best_of_many": best_of_many(plan.runs, plan.seed, tell),
@@ -121,11 +125,24 @@ def run_speed(plan: SpeedPlan = FULL, *, progress: Callable[[str], None] | None 
     return {**headline(result), **conditions, **result}
 
 
+def _told(found: Iterable[Start], scene: str, tell: Callable[[str], None]) -> list[Start]:
+    """All of them, each told as it is found."""
+    tell(f"starts of {scene}")
+    given = []
+    for start in found:
+        given.append(start)
+        tell(f"starts of {scene}, {len(given)} found")
+    return given
+
+
 def headline(result: dict[str, Any]) -> dict[str, Any]:
     """The figures that one looks at first."""
     main, fast = (result["solves"][name]["all"] for name in WEIGHTS)
     lines, plans, scaling = result["straight_lines"]["all"], result["plans"]["all"], result["scaling"]
-    warm_ratios = [found["ratio"]["median"] for found in result["warm"].values() if "ratio" in found]
+    warm_ratios, resolved = (
+        [found["ratio"]["median"] for found in result[name].values() if "ratio" in found]
+        for name in ("warm_plans", "warm")
+    )
     return {
         "solve_ratio": main["ratio"]["median"],
         "solve_ratio_time_optimal": fast["ratio"]["median"],
@@ -139,6 +156,7 @@ def headline(result: dict[str, Any]) -> dict[str, Any]:
         "straight_line_success": lines["success"],
         "solves_per_second": result["batch"]["solves_per_second"],
         "warm_ratio": float(np.median(warm_ratios)) if warm_ratios else None,
+        "warm_solve_ratio": float(np.median(resolved)) if resolved else None,
         "best_of_many_found": {scene: row["found"] / row["runs"] for scene, row in result["best_of_many"].items()},
         "slope_steps": scaling["steps"]["slopes"]["seconds_per_iteration"],
         "slope_steps_solve": scaling["steps"]["slopes"]["seconds"],

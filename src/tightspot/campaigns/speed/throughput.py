@@ -15,6 +15,7 @@ from tightspot.campaigns.claims import SAME
 from tightspot.campaigns.settings import paper_settings
 from tightspot.campaigns.speed.cases import (
     ENERGY_AND_TIME,
+    GAP,
     STEPS,
     Start,
     by_the_paper,
@@ -23,10 +24,11 @@ from tightspot.campaigns.speed.cases import (
     settings_for,
 )
 from tightspot.campaigns.table import BETTER
-from tightspot.errors import InputError
+from tightspot.errors import InputError, PlanningError
 from tightspot.formulations import SeparatingLine
 from tightspot.guesses import HybridAStar
-from tightspot.scenarios import check
+from tightspot.planner import Planner, plan
+from tightspot.scenarios import Scenario, check
 from tightspot.solvers import Stagewise
 from tightspot.solvers.stage_problem import StageProblem
 from tightspot.transcription import TimeGrid, stage_problem, transcribe
@@ -87,6 +89,32 @@ def warm(starts: Sequence[Start], seed: int, tell: Callable[[str], None]) -> dic
     }
 
 
+def warm_plans(scenes: Sequence[Scenario], seed: int, tell: Callable[[str], None]) -> dict[str, Any]:
+    """Whole plans after the start has moved a little: by a :class:`tightspot.Planner` that has planned, and anew."""
+    rng = np.random.default_rng(seed)
+    ratios, used, tried = [], 0, 0
+    for number, scenario in enumerate(scenes):
+        tell(f"warm plan {number + 1} of {len(scenes)}")
+        moved = _moved_scene(scenario, rng, scenario.margin)
+        if moved is None:
+            continue
+        tried += 1
+        try:
+            planner = Planner(scenario, vehicle=car())
+            planner.plan()
+            began = time.process_time()
+            again = planner.plan(start=moved.start)
+            halfway = time.process_time()
+            plan(moved, vehicle=car())
+        except PlanningError:
+            continue
+        ratios.append((time.process_time() - halfway) / (halfway - began))
+        used += bool(again.report["warm"]["used"])
+    if not ratios:
+        return {"cases": tried, "success": 0.0 if tried else None}
+    return {"cases": tried, "success": len(ratios) / tried, "used": used / len(ratios), "ratio": quantiles(ratios)}
+
+
 def best_of_many(runs: int, seed: int, tell: Callable[[str], None]) -> dict[str, Any]:
     """How often a batch of guesses finds the best known optimum of the paper's programs, against one IPOPT solve."""
     return {known.scene: _best_of(known.scene, known.objective, runs, seed, tell) for known in BETTER}
@@ -131,17 +159,23 @@ def _timed(solver: Stagewise, problem: StageProblem) -> tuple[float, Any]:
 
 
 def _moved(start: Start, rng: np.random.Generator) -> Start | None:
-    """The start moved by :data:`MOVED` in a random direction, with a new guess; ``None`` if it is not free there."""
+    """The moved scene with a new guess; ``None`` if it is not free there."""
+    scenario = _moved_scene(start.scenario, rng, GAP)
+    guess = None if scenario is None else HybridAStar().make(scenario, car(), margin=GAP).trajectory
+    return None if scenario is None or guess is None else Start(scenario, guess)
+
+
+def _moved_scene(scenario: Scenario, rng: np.random.Generator, margin: float) -> Scenario | None:
+    """The start moved by :data:`MOVED` in a random direction; ``None`` if the vehicle does not stand free there."""
     angle, sign = rng.uniform(0.0, 2 * np.pi), rng.choice((-1.0, 1.0))
-    state = np.array(start.scenario.start)
+    state = np.array(scenario.start)
     state[:3] += [MOVED[0] * np.cos(angle), MOVED[0] * np.sin(angle), sign * MOVED[1]]
-    scenario = dataclasses.replace(start.scenario, start=state)
+    moved = dataclasses.replace(scenario, start=state)
     try:
-        check(scenario, car(), 0.002)
+        check(moved, car(), margin)
     except InputError:
         return None
-    guess = HybridAStar().make(scenario, car(), margin=0.002).trajectory
-    return None if guess is None else Start(scenario, guess)
+    return moved
 
 
 def _trajectory_of(start: Start, report: Any) -> Any:
