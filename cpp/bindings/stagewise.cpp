@@ -1,6 +1,8 @@
 // tightspot._core.StagewiseSolver: a stage problem's plain arrays in, iterates out. The GIL is released while it works.
 #include "stagewise.hpp"
 
+#include "arrays.hpp"
+
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
@@ -24,7 +26,7 @@ namespace {
 
 using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Integers = nb::ndarray<const std::int64_t, nb::c_contig, nb::device::cpu>;
-using Table = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
+using tightspot::Table;
 
 template <class A>
 A array_of(nb::handle problem, const char* name) {
@@ -108,14 +110,7 @@ Problem to_problem(nb::handle from) {
     return problem;
 }
 
-Table table(const double* values, std::size_t rows, std::size_t columns) {
-    auto kept = std::make_unique<Vector>(values, values + rows * columns);
-    double* data = kept->data();
-    nb::capsule owner(kept.release(), [](void* p) noexcept { delete static_cast<Vector*>(p); });
-    return Table(data, {rows, columns}, owner);
-}
-
-nb::object flat(const Vector& values) { return nb::cast(table(values.data(), 1, values.size())).attr("ravel")(); }
+nb::object flat(Vector values) { return nb::cast(tightspot::column(std::move(values))); }
 
 const char* name(Status status) {
     switch (status) {
@@ -207,7 +202,7 @@ class Solver {
         answer["objective"] = core_->values().objective;
         answer["defects"] = flat(core_->values().defects), answer["rows"] = of_rows(core_->values().rows);
         answer["gradient"] = flat(check.gradient);
-        answer["hessian"] = table(check.hessian.data(), point.v.size(), point.v.size());
+        answer["hessian"] = tightspot::table(check.hessian, point.v.size());
         return answer;
     }
 
@@ -242,7 +237,7 @@ class Solver {
             for (double value : {double(r.iteration), r.objective, r.violation, r.stationarity, r.complementarity,
                                  r.barrier, r.regularisation, r.primal_step, r.dual_step, double(r.trials)})
                 rows.push_back(value);
-        return table(rows.data(), core_->log.size(), 10);
+        return tightspot::table(std::move(rows), 10);
     }
 
     std::unique_ptr<InteriorPoint<Model>> core_;

@@ -67,3 +67,18 @@ def test_same_optimum_as_ipopt_from_the_solution(scene, weight):
     again = Ipopt().solve(nlp, warm=WarmStart(report.x, report.lam_x, report.lam_g))
     assert again.status.success
     assert again.objective == pytest.approx(report.objective, rel=1e-6)
+
+
+def test_positions_kept_for_a_structure_belong_to_every_problem_of_it():
+    from tightspot.solvers.stage_order import order_of
+
+    arguments, grid = case("vertical", SeparatingLine())
+    problem = stage_problem(*arguments, **grid)
+    moved = problem.replaced(obstacle_vertices=problem.obstacle_vertices + 1.0)
+    fewer = problem.replaced(pairs=problem.pairs[1:], pair_origins=problem.pair_origins[1:], lines=problem.lines[1:])
+    first, second, third = order_of(problem), order_of(moved), order_of(fewer)
+    assert second.problem is moved
+    assert np.array_equal(first.rows, second.rows) and np.array_equal(first.lines, second.lines)
+    assert third.n_rows < first.n_rows
+    assert third.lines.size == first.lines.size - 1
+    assert np.array_equal(order_of(problem).rows, first.rows)

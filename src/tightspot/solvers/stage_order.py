@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
@@ -124,7 +125,35 @@ class StageOrder:
 
 
 def order_of(problem: StageProblem) -> StageOrder:
-    """The positions of a problem's variables and rows."""
+    """The positions of a problem's variables and rows; they are kept for problems of the same structure."""
+    with _LOCK:
+        known = _KNOWN.pop(structure := _structure(problem), None)
+        if known is not None:
+            _KNOWN[structure] = known
+    if known is not None:
+        return replace(known, problem=problem)
+    order = _order_of(problem)
+    with _LOCK:
+        _KNOWN[structure] = order
+        while len(_KNOWN) > _MOST_KNOWN:
+            del _KNOWN[next(iter(_KNOWN))]
+    return order
+
+
+_LOCK = Lock()
+_KNOWN: dict[tuple[object, ...], StageOrder] = {}  # by structure, the last one used last
+_MOST_KNOWN = 8
+
+
+def _structure(problem: StageProblem) -> tuple[object, ...]:
+    """All that the positions depend on."""
+    counts = (problem.pieces, problem.part_first, problem.obstacle_first, problem.pairs, problem.walls)
+    used = (np.isnan(demands[:, 0]) for demands in (problem.pair_demands, problem.wall_demands))
+    sizes = (problem.start.size, problem.input_weights.size)
+    return (problem.form, sizes, *((array.shape, array.tobytes()) for array in (*counts, *used)))
+
+
+def _order_of(problem: StageProblem) -> StageOrder:
     n_x, n_u, steps = problem.start.size, problem.input_weights.size, problem.steps
     auxiliary = 3 if problem.form.vector else 2
     interval = problem.pairs[:, 0]
