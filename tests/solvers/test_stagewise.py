@@ -78,7 +78,8 @@ def test_positions_kept_for_a_structure_belong_to_every_problem_of_it():
     fewer = problem.replaced(pairs=problem.pairs[1:], pair_origins=problem.pair_origins[1:], lines=problem.lines[1:])
     first, second, third = order_of(problem), order_of(moved), order_of(fewer)
     assert second.problem is moved
-    assert np.array_equal(first.rows, second.rows) and np.array_equal(first.lines, second.lines)
+    assert np.array_equal(first.rows, second.rows)
+    assert np.array_equal(first.lines, second.lines)
     assert third.n_rows < first.n_rows
     assert third.lines.size == first.lines.size - 1
     assert np.array_equal(order_of(problem).rows, first.rows)
