@@ -29,7 +29,7 @@ def summary_table(plan: Plan) -> Table:
     table.add_row("steps", str(plan.trajectory.steps))
     table.add_row("objective", f"{objective['value']:.4f} (weight {objective['time_weight']:g} on time)")
     table.add_row("clearance", _clearance(plan.certificate))
-    table.add_row("method", f"{report['formulation']} from {report['guess']['name']}, {rounds[-1]['solve']['solver']}")
+    table.add_row("method", _method(report))
     for number, entry in enumerate(rounds, start=1):
         table.add_row("rounds" if number == 1 else "", f"{number}: {_round(entry)}")
     if len(report["tried"]) > 1:
@@ -37,6 +37,13 @@ def summary_table(plan: Plan) -> Table:
         table.add_row("tried", f"{len(report['tried'])} guesses, {good} certified")
     table.add_row("time", f"{report['seconds']:.2f} s ({report['guess']['seconds']:.2f} s for the guess)")
     return table
+
+
+def _method(report: dict[str, Any]) -> str:
+    solve = report["rounds"][-1]["solve"]
+    if solve["status"] == "NOT_SOLVED":
+        return f"{report['guess']['name']}: {solve['sentence']}"
+    return f"{report['formulation']} from {report['guess']['name']}, {solve['solver']}"
 
 
 def certificate_facts(certificate: Certificate) -> dict[str, Any]:

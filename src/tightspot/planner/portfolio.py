@@ -11,27 +11,42 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from tightspot.errors import TightspotError
 from tightspot.guesses import Guess, GuessResult, HybridAStar, LinearInterpolation
 from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
+from tightspot.planner.as_found import driven_as_found
 from tightspot.planner.course import certified, run_rounds
 from tightspot.planner.mesh import steps_for
 from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
 from tightspot.scenarios.bottleneck import is_closed
-from tightspot.search import COARSE, FINE, FINEST, MEDIUM, Direction, HybridAStarOptions, SearchResult
+from tightspot.scenarios.scenario import Scenario
+from tightspot.search import (
+    COARSE,
+    MEDIUM,
+    NARROW,
+    NARROWER,
+    NARROWEST,
+    SMALL_TURNS,
+    Direction,
+    HybridAStarOptions,
+    SearchResult,
+)
 from tightspot.solvers import SolveReport, StageReport, Stagewise
+from tightspot.vehicles.base import VehicleModel
 
 Effort = Literal["fast", "balanced", "best"]
 EFFORTS: tuple[Effort, ...] = ("fast", "balanced", "best")
 
-SEARCH_SECONDS = 5.0
-PATIENCE = 60_000
+SEARCH_SECONDS = 4.0
+BETWEEN_WALLS = (NARROW, NARROWER, NARROWEST, SMALL_TURNS)
 FALLBACK_SECONDS = 20.0
 COURSE_SECONDS = 10.0
+SECONDS_MORE = 12.0
+"""For other courses, once the first one's path is known to be certified as it is."""
 POLL_SECONDS = 0.1
 
 
@@ -95,18 +110,17 @@ def members_of(request: Request) -> list[Member]:
     finer = Member(f"{request.guess.name}, more intervals", request.guess, finer=1.6)
     if request.guess != HybridAStar():
         return [chosen, finer]
-    bare = {"margins": tuple(dict.fromkeys((request.margin, request.margin / 2)))}
-    # Beside a kerb only small steering angles are free.
-    margins = tuple(dict.fromkeys((request.margin, request.margin / 2, 0.0)))
-    patient = {"resolutions": (MEDIUM, FINE, FINEST), "margins": margins, "max_expansions": PATIENCE}
+    margin = request.margin
+    between_walls = {"resolutions": BETWEEN_WALLS, "margins": tuple(dict.fromkeys((margin, margin / 2, 0.0)))}
+    # What the judge certifies as it is: the search keeps its margin to a thousandth of the body's width.
+    as_it_is = {"resolutions": (COARSE, MEDIUM, *BETWEEN_WALLS), "margins": (margin + 0.003, margin + 0.001)}
     variants: dict[str, dict[str, Any]] = {
+        "the whole margin": as_it_is,
         "from the wider end": {"directions": (Direction.WIDE_END, Direction.TIGHT_END)},
         "few gear changes": {"gear_change": 10.0},
         "many gear changes": {"gear_change": 0.3, "steering_change": 0.1},
-        "9 steering angles": {"steering_levels": 9, **patient},
-        "15 steering angles": {"steering_levels": 15, **patient},
+        "between walls": between_walls,
         "forwards": {"reverse": 3.0},
-        "no more than the margin": bare,
     }
     searches = [Member(f"hybrid-astar, {name}", _search(request, **options)) for name, options in variants.items()]
     return [chosen, finer, *searches, Member("linear", LinearInterpolation())]
@@ -114,7 +128,7 @@ def members_of(request: Request) -> list[Member]:
 
 def _search(request: Request, **options: Any) -> HybridAStar:
     margins = (*(request.margin + more for more in MORE_THAN_MARGIN), request.margin / 2)
-    common: dict[str, Any] = {"margins": tuple(dict.fromkeys(margins)), "resolutions": (COARSE, MEDIUM, FINE)}
+    common: dict[str, Any] = {"margins": tuple(dict.fromkeys(margins)), "resolutions": (COARSE, MEDIUM, NARROW)}
     return HybridAStar(HybridAStarOptions(**(common | options), time_limit=SEARCH_SECONDS))
 
 
@@ -148,17 +162,38 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
     """Courses in the order tried; the last one is the answer: a certified one if there is any.
 
     ``fast``: the first member with all solvers. Otherwise the first member with the first solver, then the others on
-    all cores until one is certified, then the first once more with the fall-back solvers.
+    all cores until one is certified; then a searched path as it is, if the judge certifies one; then the first once
+    more with the fall-back solvers.
     """
     members = members_of(request)
     if effort == "fast":
         return [run_course(request, members[0], tell, deadline)]
     quick = without_fallbacks(request)
-    tried = [run_course(quick, members[0], tell, deadline)]
-    if tried[0].certified or is_hopeless(request, tried[0]):
-        return tried
-    tried += on_all_cores(quick, members[1:], tell, deadline, stop_at_first=True)
+    first = run_course(quick, members[0], tell, deadline)
+    if first.certified or is_hopeless(request, first):
+        return [first]
+    until = deadline
+    if driven_as_found(request, first.found):
+        until = min(deadline, time.perf_counter() + SECONDS_MORE)
+    tried = [first, *on_all_cores(quick, [*_again(first, members[1]), *members[2:]], tell, until, stop_at_first=True)]
     return conclude(request, tried, tell, deadline)
+
+
+def _again(first: Course, finer: Member) -> list[Member]:
+    """The first course's guess on a finer mesh; nothing if there is no guess."""
+    return [replace(finer, guess=_Known(first.found))] if first.found.trajectory is not None else []
+
+
+@dataclass(frozen=True)
+class _Known(Guess):
+    """A guess that was made before."""
+
+    name: ClassVar[str] = "known"
+    collision_free: ClassVar[bool] = False
+    found: GuessResult
+
+    def make(self, scenario: Scenario, vehicle: VehicleModel, *, margin: float) -> GuessResult:
+        return self.found
 
 
 def without_fallbacks(request: Request) -> Request:
@@ -167,18 +202,34 @@ def without_fallbacks(request: Request) -> Request:
 
 
 def conclude(request: Request, tried: list[Course], tell: ProgressCallback, deadline: float) -> list[Course]:
-    """The certified course with the smallest J to the end; without one, the first guess with the fall-back solvers."""
-    good = [course for course in tried if course.certified]
+    """The certified course with the smallest J to the end; without one, the quickest searched path as it is.
+
+    If there is none of that either, the first guess with the fall-back solvers. Straight lines are for the user to ask
+    for: where no search finds a path, no solver was seen to find one from there.
+    """
+    good = [course for course in tried if course.certified] or _as_found(request, tried)
     if good:
         best = min(good, key=lambda course: course.objective(request))
         return [*(course for course in tried if course is not best), best]
-    first = next((course for course in tried if course.rounds), None)
+    started = [course for course in tried if course.rounds and course.member.name != LinearInterpolation.name]
+    first = tried[0] if tried[0].rounds else next(iter(started), None)
     if request.fallbacks and first is not None and time.perf_counter() < deadline:
         slow = replace(request, solver=request.fallbacks[0], fallbacks=request.fallbacks[1:])
         member = replace(first.member, name=f"{first.member.name}, {slow.solver.name}")
         until = min(deadline, time.perf_counter() + FALLBACK_SECONDS)
         return [*tried, run_course(slow, member, tell, until, first.found)]
     return sorted(tried, key=lambda course: bool(course.rounds))
+
+
+def _as_found(request: Request, tried: Sequence[Course]) -> list[Course]:
+    """Courses of the searched paths that are certified as they are."""
+    courses = []
+    for course in tried:
+        outcome = driven_as_found(request, course.found)
+        if outcome is not None:
+            member = replace(course.member, name=f"{course.member.name}, as found")
+            courses.append(Course(member, course.found, [outcome], course.guess_seconds, course.seconds))
+    return courses
 
 
 def is_hopeless(request: Request, course: Course) -> bool:
