@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json as json_text
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -32,7 +33,7 @@ def speed_command(
 ) -> None:
     """Solves, plans, scaling and throughput as ratios to the paper's method (formulation (17), CasADi, IPOPT).
 
-    The full run takes about a quarter of an hour. Nothing is written before it is finished.
+    The full run takes about a quarter of an hour. Files are written when it is finished.
     """
     from tightspot.campaigns.speed import FULL, QUICK, run_speed, speed_report
 
@@ -40,7 +41,7 @@ def speed_command(
     if starts is not None:
         plan = replace(plan, starts=starts, plans=starts, straight=min(plan.straight, starts))
     plan = replace(plan, seed=seed)
-    _check(output)
+    _made(output)
     console = notes()
     with InterruptWatch() as watch:
 
@@ -60,9 +61,17 @@ def speed_command(
         print_line(answers(), f"report: {files['report']}")
 
 
-def _check(output: Path) -> None:
+def _made(output: Path) -> None:
+    """The directory, made at once: a quarter of an hour later would be a bad time to find that it cannot be."""
     if output.exists() and not output.is_dir():
         raise InputError(Problem("--output", f"{output} is a file; give a directory"))
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=output):
+            pass
+    except OSError as error:
+        sentence = f"{output} cannot be written ({error.strerror}); give another directory"
+        raise InputError(Problem("--output", sentence)) from None
 
 
 def _scalars(result: dict[str, Any]) -> dict[str, float | None]:

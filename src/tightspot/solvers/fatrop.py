@@ -50,7 +50,7 @@ class Fatrop(Solver):
     Attributes:
         tolerance: fatrop's ``tol``.
         max_iterations: Limit.
-        time_limit: Wall-clock limit of one solve, building included, s.
+        time_limit: Wall-clock limit of one solve, s; fatrop's own set-up counts, compiling does not.
         compiled: As in :class:`tightspot.solvers.Ipopt`.
         options: Further fatrop options, by fatrop's names; they override ours.
 
@@ -82,7 +82,7 @@ class Fatrop(Solver):
         start = nlp.x0 if warm is None else warm.x
         with built(nlp, (self.name, self.compiled), lambda: self._program(nlp)) as program:
             ready = time.perf_counter()
-            outcome = self._outcome(nlp, program, start, callback, started + self.time_limit)
+            outcome = self._outcome(nlp, program, start, callback, ready + self.time_limit)
             timings = {"build": ready - started + outcome.build, "solve": outcome.solve, "functions": outcome.functions}
             return self._report(nlp, program, start, outcome, timings)
 
