@@ -104,14 +104,15 @@ def _guesses(request: Request, first: GuessResult, seed: int, deadline: float) -
         made = assorted(
             request.scenario,
             request.vehicle,
-            count,
+            count + 1,
             seed,
             margin=request.margin,
             threads=cores_for(request),
             seconds=SEARCH_SHARE * (deadline - time.perf_counter()),
             first=first if isinstance(first.details, SearchResult) else None,
         )
-        return [guess for guess in made if guess.trajectory is not None]
+        others = (guess for guess in made if first.details is None or guess.details is not first.details)
+        return [guess for guess in others if guess.trajectory is not None]
     if first.trajectory is None or not {"x", "y", "theta"} <= set(first.trajectory.state_names):
         return []
     return bent_versions([first], request.vehicle, count, seed)
