@@ -25,10 +25,11 @@ from tightspot.verification import Certificate
 from tightspot.verification.replay import Replay
 
 REACH, WALL_REACH = 2.0, 4.0
-FAR = 8.0
+FAR = (8.0, 5.0, 3.0)
 FEW_PAIRS, MANY_PAIRS = 100, 5000
 NEAR, DEEP, HOPELESS = 0.15, 0.1, 0.6
 AGAIN = 1
+ASTRAY = 3
 EXTRA = 0.002
 LARGEST_EXTRA = 0.1
 MOST_STEPS = 240
@@ -48,11 +49,13 @@ def next_step(request: Request, rounds: Sequence[Round], guess: Trajectory) -> S
     last = rounds[-1]
     if last.certificate is None or last.replay is None:
         return _after_failure(request, rounds, guess)
+    room = Room.of_replay(last.replay, request.scenario, request.vehicle)
+    if _is_astray(last.mesh, room) and sum(outcome.step.kind == "pairs" for outcome in rounds) < ASTRAY:
+        return _with_what_was_missing(request, last, room)
     if last.mesh.formulation == request.formulation:
         mesh = refine(request, last.mesh, last.replay, last.certificate, len(rounds))
         news = f"{mesh.grid.steps} intervals, {1000 * mesh.extra:.0f} mm beyond the margin"
         return Step(mesh, on_grid(last.replay, mesh.grid), "refine", news, last)
-    room = Room.of_replay(last.replay, request.scenario, request.vehicle)
     if room.deepest < -HOPELESS and _failures(rounds, "guess") == 0:
         return _from_guess(request, rounds[0].mesh.grid.steps, guess, "the knots jump over an obstacle")
     if room.spare(request.margin).min() < -DEEP and sum(outcome.step.kind == "again" for outcome in rounds) < AGAIN:
@@ -89,8 +92,8 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
     mesh = replace(
         last.mesh,
         formulation=request.formulation,
-        active=_within_reach(request, room),
-        walls=_walls_within_reach(request, room),
+        active=_near(request, room),
+        walls=_walls_near(request, room),
     ).cut(pieces)
     start = on_grid(motion, mesh.grid)
     poses = poses_on(request.formulation, covers_of(start, request.vehicle), np.repeat(spare, pieces))
@@ -109,6 +112,22 @@ def _again(request: Request, last: Round, motion: Replay, room: Room) -> Step:
     mesh = near.cut(_pieces(room.spare(request.margin)))
     news = f"collides between the knots; {mesh.grid.steps} intervals"
     return Step(mesh, on_grid(motion, mesh.grid), "again", news, last)
+
+
+def _is_astray(mesh: Mesh, room: Room) -> bool:
+    """Whether the motion is deep inside something that was not in the problem."""
+    return bool((room.obstacles[~mesh.active] < -DEEP).any() or (room.walls[~mesh.walls] < -DEEP).any())
+
+
+def _with_what_was_missing(request: Request, last: Round, room: Room) -> Step:
+    """The same step from the same start: from where the motion went there may be no way back."""
+    mesh = replace(
+        last.mesh,
+        active=last.mesh.active | _within_reach(request, room),
+        walls=last.mesh.walls | _walls_within_reach(request, room),
+    )
+    news = "went astray through what was not in the problem; the same again with that"
+    return Step(mesh, last.step.start, "pairs", news, last.step.before)
 
 
 def _pieces(spare: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -162,8 +181,8 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
         short[:] = True
     near = replace(
         mesh,
-        active=mesh.active | _within_reach(request, room),
-        walls=mesh.walls | _walls_within_reach(request, room),
+        active=mesh.active | _near(request, room),
+        walls=mesh.walls | _walls_near(request, room),
     )
     finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
     if number <= 3 and finer.grid.steps > mesh.grid.steps:
@@ -176,19 +195,38 @@ def _within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
     """Pairs that enter the problem: those that the motion might come near to once it is optimised.
 
     For the stagewise solver a pair costs little, and a motion that goes astray through one that is missing costs much:
-    all within ``FAR``, unless they are too many. For others those within ``REACH``, or all if they are few.
+    all within the farthest of ``FAR`` in which there are not too many. For others those within ``REACH``, or all if
+    they are few.
     """
     near: NDArray[np.bool_] = room.obstacles < REACH
     if isinstance(request.solver, Stagewise):
-        far = room.obstacles < FAR
-        return _with_neighbours(far if far.sum() <= MANY_PAIRS else near)
+        reaches = (room.obstacles < reach for reach in FAR)
+        return _with_neighbours(next((far for far in reaches if far.sum() <= MANY_PAIRS), near))
     return np.ones_like(near) if near.size <= FEW_PAIRS else _with_neighbours(near)
+
+
+def _near(request: Request, room: Room) -> NDArray[np.bool_]:
+    """Pairs that enter the problem when the motion is a solution already: those within ``REACH``.
+
+    Rows on whole intervals are many, and of what is farther the judge sees that it is not needed, or asks for it. A
+    motion that collides will move more: then those of :func:`_within_reach`.
+    """
+    if room.spare(request.margin).min() < -DEEP:
+        return _within_reach(request, room)
+    return _within_reach(request, room) & _with_neighbours(room.obstacles < REACH)
 
 
 def _walls_within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
     if isinstance(request.solver, Stagewise):
         return np.ones_like(room.walls, bool)
     return _with_neighbours(room.walls < WALL_REACH)
+
+
+def _walls_near(request: Request, room: Room) -> NDArray[np.bool_]:
+    """The same for the edges of W."""
+    if room.spare(request.margin).min() < -DEEP:
+        return _walls_within_reach(request, room)
+    return _walls_within_reach(request, room) & _with_neighbours(room.walls < WALL_REACH)
 
 
 def _with_neighbours(active: NDArray[np.bool_]) -> NDArray[np.bool_]:
