@@ -12,6 +12,8 @@ from tightspot.planner.pairs import Room
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Mesh, Round, Step, run_round
 from tightspot.planner.strategy import (
+    ASTRAY,
+    DEEP,
     EXTRA,
     FAILED_SOLVES,
     HOPELESS,
@@ -21,7 +23,7 @@ from tightspot.planner.strategy import (
     next_step,
     refine,
 )
-from tightspot.scenarios import builtin
+from tightspot.scenarios import Scenario, builtin
 from tightspot.solvers import Ipopt
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid
@@ -174,3 +176,31 @@ def test_a_solution_whose_knots_jump_over_an_obstacle_is_no_start() -> None:
 def test_the_given_path_is_a_rough_guess() -> None:
     poses = [[0.0, 0.0, 0.0], [6.3, 3.0, 1.2], [6.3, -6.7, np.pi / 2]]
     assert not GivenPath(poses).collision_free
+
+
+def test_astray_through_what_was_missing_the_same_step_is_solved_again_with_that() -> None:
+    in_the_way = {
+        "start": {"x": 0, "y": 0, "theta": 0},
+        "goal": {"x": 14, "y": 0, "theta": 0},
+        "obstacles": [{"vertices": [[6, -1], [8, -1], [8, 1], [6, 1]]}],
+    }
+    asked = replace(request(), scenario=Scenario.from_dict(in_the_way))
+    guess = LinearInterpolation().make(asked.scenario, asked.vehicle, margin=0.05).trajectory
+    assert guess is not None
+    step = first_step(asked, guess)
+    blind = replace(step, mesh=replace(step.mesh, active=np.zeros_like(step.mesh.active)))
+    outcome = run_round(asked, blind, 0, lambda news: None, 10.0)
+    assert outcome.solved
+    assert outcome.certificate is not None
+    assert outcome.certificate.clearance < -DEEP
+    again = next_step(asked, [outcome], guess)
+    assert again is not None
+    assert again.start is blind.start
+    assert again.mesh.grid is blind.mesh.grid
+    assert again.mesh.formulation == blind.mesh.formulation
+    assert outcome.replay is not None
+    hit = Room.of_replay(outcome.replay, asked.scenario, asked.vehicle).obstacles < -DEEP
+    assert again.mesh.active[hit].all()
+    rounds = [replace(outcome, step=again) for _ in range(ASTRAY)]
+    other = next_step(asked, rounds, guess)
+    assert other is None or other.kind != again.kind
