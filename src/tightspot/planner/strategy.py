@@ -92,8 +92,8 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
     mesh = replace(
         last.mesh,
         formulation=request.formulation,
-        active=_within_reach(request, room),
-        walls=_walls_within_reach(request, room),
+        active=_near(request, room),
+        walls=_walls_near(request, room),
     ).cut(pieces)
     start = on_grid(motion, mesh.grid)
     poses = poses_on(request.formulation, covers_of(start, request.vehicle), np.repeat(spare, pieces))
@@ -181,8 +181,8 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
         short[:] = True
     near = replace(
         mesh,
-        active=mesh.active | _within_reach(request, room),
-        walls=mesh.walls | _walls_within_reach(request, room),
+        active=mesh.active | _near(request, room),
+        walls=mesh.walls | _walls_near(request, room),
     )
     finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
     if number <= 3 and finer.grid.steps > mesh.grid.steps:
@@ -205,10 +205,28 @@ def _within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
     return np.ones_like(near) if near.size <= FEW_PAIRS else _with_neighbours(near)
 
 
+def _near(request: Request, room: Room) -> NDArray[np.bool_]:
+    """Pairs that enter the problem when the motion is a solution already: those within ``REACH``.
+
+    Rows on whole intervals are many, and of what is farther the judge sees that it is not needed, or asks for it. A
+    motion that collides will move more: then those of :func:`_within_reach`.
+    """
+    if room.spare(request.margin).min() < -DEEP:
+        return _within_reach(request, room)
+    return _within_reach(request, room) & _with_neighbours(room.obstacles < REACH)
+
+
 def _walls_within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
     if isinstance(request.solver, Stagewise):
         return np.ones_like(room.walls, bool)
     return _with_neighbours(room.walls < WALL_REACH)
+
+
+def _walls_near(request: Request, room: Room) -> NDArray[np.bool_]:
+    """The same for the edges of W."""
+    if room.spare(request.margin).min() < -DEEP:
+        return _walls_within_reach(request, room)
+    return _walls_within_reach(request, room) & _with_neighbours(room.walls < WALL_REACH)
 
 
 def _with_neighbours(active: NDArray[np.bool_]) -> NDArray[np.bool_]:
