@@ -11,6 +11,7 @@ from tightspot.guesses import GuessResult, HybridAStar, LinearInterpolation
 from tightspot.planner.portfolio import members_of
 from tightspot.planner.request import Request, resolve
 from tightspot.scenarios import Scenario, builtin
+from tightspot.search import HybridAStarOptions
 from tightspot.vehicles import VehicleModel
 
 
@@ -59,6 +60,13 @@ def test_balanced_goes_on_where_the_first_guess_fails(monkeypatch: pytest.Monkey
     assert report["tried"][0]["status"] == "NO_GUESS"
     assert report["tried"][-1]["certified"]
     assert report["guess"]["name"] == report["tried"][-1]["guess"] != "hybrid-astar"
+
+
+def test_a_guess_that_was_asked_for_and_finds_nothing_is_the_reason() -> None:
+    blind = HybridAStar(HybridAStarOptions(margins=(0.05,), max_expansions=1, time_limit=5.0))
+    with pytest.raises(PlanningError) as failure:
+        tightspot.plan("parallel", guess=blind)
+    assert [entry["status"] for entry in failure.value.report["tried"]] == ["NO_GUESS"]
 
 
 def test_a_scene_without_a_way_is_refused_with_what_was_tried() -> None:

@@ -244,8 +244,10 @@ def on_all_cores(
     request: Request, members: Sequence[Member], tell: ProgressCallback, deadline: float, *, stop_at_first: bool
 ) -> list[Course]:
     """Courses as they end. The search and the stagewise solver run beside each other, other solvers do not."""
-    cores = min(cores_for(request), len(members))
     done: list[Course] = []
+    if not members:
+        return done
+    cores = min(cores_for(request), len(members))
     waiting = list(members)
     if cores == 1:
         while waiting and time.perf_counter() < deadline and not (stop_at_first and _any_certified(done)):
