@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from benchmarks.judge_speed import FREE, crowd, drive, seconds_of
+
 from tightspot.vehicles import vehicle
 from tightspot.verification import verify
 
