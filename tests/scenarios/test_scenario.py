@@ -132,10 +132,14 @@ def test_scenarios_made_in_python_are_checked_too(problems):
     }
 
 
-@pytest.mark.parametrize("state", [[0, 0, 0], "here", [[0] * 5], [0, 0, 0, "a", 0]])
+@pytest.mark.parametrize("state", [[0, 0], [0] * 4, "here", [[0] * 5], [0, 0, 0, "a", 0]])
 def test_a_state_has_five_numbers(scene, state):
     with pytest.raises(SceneError, match="five numbers"):
         Scenario.from_dict(scene).with_(goal=state)
+
+
+def test_a_pose_stands_still_with_straight_wheels(scene):
+    assert Scenario.from_dict(scene).with_(goal=(1, 2, 3)).goal.tolist() == [1, 2, 3, 0, 0]
 
 
 def test_an_obstacle_names_its_ring_when_it_is_none():

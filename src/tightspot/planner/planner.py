@@ -95,7 +95,8 @@ class Planner:
         """A certified plan with another start, goal or obstacles; what is not given stays as in the last plan.
 
         Args:
-            start: (x, y, theta, v, delta) in the scenario's coordinates, m, rad, m/s; NaN in v or delta: free.
+            start: (x, y, theta, v, delta) in the scenario's coordinates, m, rad, m/s; NaN in v or delta: free;
+                (x, y, theta) alone: at rest with straight wheels.
             goal: The same at the end.
             obstacles: All obstacles, in place of the present ones; moved ones in the same order.
 

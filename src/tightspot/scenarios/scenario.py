@@ -58,7 +58,8 @@ class Scenario:
         workspace: W, the convex region that the body must not leave.
         obstacles: With different names; they may overlap each other and reach outside W. For planning those that
             touch are made one, see :attr:`solids`.
-        start: (x, y, theta, v, delta) at the beginning, m, rad, m/s, shape (5,). NaN in v or delta: free.
+        start: (x, y, theta, v, delta) at the beginning, m, rad, m/s, shape (5,). NaN in v or delta: free. A pose
+            (x, y, theta) may be given for a vehicle at rest with straight wheels.
         goal: The same at the end. Any multiple of 2 pi added to its heading is the same goal.
         tolerance: How near the goal counts as reached.
         vehicle: Name in the catalogue, or the vehicle's object as in a vehicle file.

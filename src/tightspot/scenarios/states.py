@@ -17,13 +17,19 @@ FREE = ("v", "delta")
 
 
 def as_state(value: ArrayLike, path: str) -> Array:
-    """A read-only copy of shape (5,); raises :class:`SceneError` if it is none."""
+    """A read-only copy of shape (5,); a pose (x, y, theta) stands at rest with straight wheels.
+
+    Raises:
+        SceneError: If it is neither.
+    """
+    wanted = f"five numbers {', '.join(STATE)}, or the first three"
     try:
         state = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        raise SceneError(Problem(path, f"must be five numbers {', '.join(STATE)}")) from None
-    if state.shape != (5,):
-        raise SceneError(Problem(path, f"has shape {state.shape}; it must be five numbers {', '.join(STATE)}"))
+        raise SceneError(Problem(path, f"must be {wanted}")) from None
+    if state.shape not in ((3,), (5,)):
+        raise SceneError(Problem(path, f"has shape {state.shape}; it must be {wanted}"))
+    state = np.concatenate((state, np.zeros(5 - state.size)))
     state.setflags(write=False)
     return state
 
