@@ -1,12 +1,19 @@
 """The swept line against the paper's (17) on the same mesh: what safety between the samples costs.
 
 Run as ``python -m benchmarks.side_by_side``; ``--runs N`` solves each program N times (default 9), ``--margin`` sets
-the demanded clearance (default 0.02 m), ``--no-write`` prints only.
+the demanded clearance (default 0.02 m), ``--no-write`` prints only, ``--no-ipopt`` leaves IPOPT out.
 
 For each of the paper's scenes the planner's own course gives the final mesh: (17) at the knots on the guess's mesh,
-replay, intervals added where it comes near. On that mesh, with the same pairs and edges of W, from the same hybrid A*
-guess, both programs are solved with the same options, alternately. Clearances are those of the independent
-judge: the replayed motion, all times.
+replay, intervals added where it comes near. On that mesh both are solved alternately in one process, with the same
+margin, tolerance (1e-8) and solver, from the same start:
+
+- ``plan``: as the planner solves its last round, from its solution at the knots of the coarser mesh, whose lines are
+  carried over, with the pairs and edges of W that are near;
+- ``all pairs``: the same with every pair and every edge of W on every interval;
+- ``guess``: from the hybrid A* guess, with every pair and edge;
+- ``plan, IPOPT`` and ``guess, IPOPT``: by IPOPT.
+
+Times are the fastest of the runs. Clearances are the independent judge's: the replayed motion, all times.
 """
 
 from __future__ import annotations
@@ -28,6 +35,7 @@ from tightspot.trajectory import Trajectory
 
 SCENES = ("oblique", "vertical", "parallel")
 SECONDS = 60.0
+SLOW_RUNS = 3
 
 
 @dataclass(frozen=True)
@@ -36,10 +44,11 @@ class Row:
 
     Attributes:
         scene: Its name.
-        method: What was solved.
+        start: From where, with which pairs and by which solver, see the module's words.
+        method: ``(17)`` or ``swept line``.
         intervals: Of the mesh.
         rows: Of the program.
-        iterations: Of IPOPT.
+        iterations: Of the solver.
         seconds: Solver time of each run, without set-up.
         objective: J.
         clearance: The judge's: proved, or seen at worst, m.
@@ -47,6 +56,7 @@ class Row:
     """
 
     scene: str
+    start: str
     method: str
     intervals: int
     rows: int
@@ -61,35 +71,55 @@ class Row:
         return min(self.seconds)
 
 
-def measure(scene: str, margin: float, runs: int) -> list[Row]:
-    """(17) and the swept line from the planner's start, the swept line as the planner solves it, and from the guess."""
+def measure(scene: str, margin: float, runs: int, ipopt: bool = True) -> list[Row]:
+    """Both formulations from every start."""
     request = resolve(scene, None, None, None, None, None, None, margin, 8, SECONDS)
+    request = replace(request, fallbacks=())
     guess = request.guess.make(request.scenario, request.vehicle, margin=margin).trajectory
     if guess is None:
         raise RuntimeError(f"no guess for {scene}")
-    first = _run(request, first_step(request, guess))
-    if first.replay is None:
-        raise RuntimeError(f"{scene} is not solved at the knots")
-    planned = next_step(request, [first], guess)
-    if planned is not None and planned.kind == "again":
-        planned = next_step(request, [first, _run(request, planned)], guess)
-    if planned is None or planned.kind != "between":
-        raise RuntimeError(f"{scene} is not planned in the usual course")
-    mesh = replace(planned.mesh, active=np.ones_like(planned.mesh.active), walls=np.ones_like(planned.mesh.walls))
-    knots = replace(mesh, formulation=SeparatingLine(), poses=(1,) * mesh.grid.steps)
-    methods = {
-        "(17)": (request, replace(planned, mesh=knots, before=None)),
-        "swept line": (request, replace(planned, mesh=mesh, before=None)),
-        "swept line, in the plan": (request, planned),
-        "(17), from the guess": (request, _cold(knots, guess)),
-        "swept line, from the guess": (request, _cold(mesh, guess)),
-        "(17), from the guess, IPOPT": (replace(request, solver=Ipopt(), fallbacks=()), _cold(knots, guess)),
-    }
-    rounds: dict[str, list[Round]] = {method: [] for method in methods}
-    for _ in range(runs):
-        for method, (asked, step) in methods.items():
-            rounds[method].append(_run(asked, step))
-    return [_row(scene, method, found) for method, found in rounds.items()]
+    planned = _last_step(request, guess)
+    full = replace(planned.mesh, active=np.ones_like(planned.mesh.active), walls=np.ones_like(planned.mesh.walls))
+    starts = {"plan": planned, "all pairs": replace(planned, mesh=full), "guess": _cold(full, guess)}
+    asked = dict.fromkeys(starts, request)
+    counts = dict.fromkeys(starts, runs)
+    if ipopt:
+        slow = replace(request, solver=Ipopt())
+        for start in ("plan", "guess"):
+            name = f"{start}, IPOPT"
+            asked[name], counts[name] = slow, min(runs, SLOW_RUNS)
+            starts[name] = replace(starts[start], before=None)
+    rows = []
+    for start, step in starts.items():
+        knots = replace(step.mesh, formulation=SeparatingLine(), poses=(1,) * step.mesh.grid.steps)
+        both = {"(17)": replace(step, mesh=knots), "swept line": step}
+        found: dict[str, list[Round]] = {method: [] for method in both}
+        for _ in range(counts[start]):
+            for method, each in both.items():
+                found[method].append(_run(asked[start], each))
+        rows += [_row(scene, start, method, rounds) for method, rounds in found.items()]
+    return rows
+
+
+def _last_step(request: Request, guess: Trajectory) -> Step:
+    """The planner's own first step on whole intervals, with the rounds before it solved."""
+    rounds = [_run(request, first_step(request, guess))]
+    while True:
+        if rounds[-1].replay is None:
+            raise RuntimeError(f"{request.scenario.name} is not solved at the knots")
+        step = _next(request, rounds, guess)
+        if step.kind == "between":
+            return step
+        rounds.append(_run(request, step))
+
+
+def _next(request: Request, rounds: list[Round], guess: Trajectory) -> Step:
+    """The step after the last round, also if that happens to be certified at the knots."""
+    last = rounds[-1]
+    step = next_step(request, rounds, guess)
+    if step is None or last.replay is None:
+        raise RuntimeError(f"{request.scenario.name} is not planned in the usual course")
+    return step
 
 
 def _cold(mesh: Mesh, guess: Trajectory) -> Step:
@@ -100,16 +130,17 @@ def _run(request: Request, step: Step) -> Round:
     return run_round(request, step, 0, lambda news: None, SECONDS)
 
 
-def _row(scene: str, method: str, rounds: Sequence[Round]) -> Row:
+def _row(scene: str, start: str, method: str, rounds: Sequence[Round]) -> Row:
     last = rounds[-1]
     judged = last.certificate
     if judged is None:
-        raise RuntimeError(f"{scene}, {method}: {last.report.status.sentence}")
+        raise RuntimeError(f"{scene}, {start}, {method}: {last.report.status.sentence}")
     seen = judged.clearance
     if not judged.certified and judged.witness is not None:
         seen = judged.witness.clearance
     return Row(
         scene,
+        start,
         method,
         last.mesh.grid.steps,
         last.report.g.size,
@@ -122,17 +153,17 @@ def _row(scene: str, method: str, rounds: Sequence[Round]) -> Row:
 
 
 def table(rows: Sequence[Row]) -> list[str]:
-    """A Markdown table; ratios are to (17) on the same scene in the same run."""
+    """A Markdown table; ratios are to (17) on the same scene from the same start in the same run."""
     lines = [
-        "| scene | method | intervals | rows | iterations | solver time, ms | × (17) | J | J over (17) "
+        "| scene | start | method | intervals | rows | iterations | solver time, ms | × (17) | J | J over (17) "
         "| clearance for all times, m | certified |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
-        base = next(other for other in rows if other.scene == row.scene)
+        base = next(other for other in rows if (other.scene, other.start) == (row.scene, row.start))
         more = 100 * (row.objective / base.objective - 1)
-        cells = [row.scene, row.method, str(row.intervals), str(row.rows), str(row.iterations)]
-        cells += [f"{1000 * row.fastest:.1f}", f"{row.fastest / base.fastest:.2f}", f"{row.objective:.4f}"]
+        cells = [row.scene, row.start, row.method, str(row.intervals), str(row.rows), str(row.iterations)]
+        cells += [f"{1000 * row.fastest:.2f}", f"{row.fastest / base.fastest:.2f}", f"{row.objective:.4f}"]
         cells += [f"{more:+.2f} %", f"{row.clearance:+.4f}", "yes" if row.certified else "no"]
         lines.append("| " + " | ".join(cells) + " |")
     return lines
@@ -143,12 +174,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="The swept line against (17) on the same mesh.")
     parser.add_argument("--runs", type=int, default=9, metavar="N", help="solves of each program (default 9)")
     parser.add_argument("--margin", type=float, default=0.02, metavar="M", help="demanded clearance (default 0.02)")
+    parser.add_argument("--no-ipopt", action="store_true", help="by the stagewise solver only")
     parser.add_argument("--no-write", action="store_true", help="do not touch benchmarks/results")
     options = parser.parse_args()
     rows = []
     for scene in SCENES:
         sys.stderr.write(f"{scene} ...\n")
-        rows += measure(scene, options.margin, options.runs)
+        rows += measure(scene, options.margin, options.runs, not options.no_ipopt)
     lines = table(rows)
     where = ", ".join(f"{key} {value}" for key, value in machine().items())
     head = ["# The swept line beside (17)", "", "Written by `python -m benchmarks.side_by_side`.", "", f"- {where}"]
