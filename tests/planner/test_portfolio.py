@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import tightspot
 from tightspot.errors import InputError, PlanningError
 from tightspot.guesses import GuessResult, HybridAStar, LinearInterpolation
+from tightspot.planner import portfolio
 from tightspot.planner.portfolio import members_of
 from tightspot.planner.request import Request, resolve
 from tightspot.scenarios import Scenario, builtin
@@ -67,6 +70,25 @@ def test_a_guess_that_was_asked_for_and_finds_nothing_is_the_reason() -> None:
     with pytest.raises(PlanningError) as failure:
         tightspot.plan("parallel", guess=blind)
     assert [entry["status"] for entry in failure.value.report["tried"]] == ["NO_GUESS"]
+
+
+class Hasty(HybridAStar):
+    """Gives up after one pose, unless it may look at many."""
+
+    def make(self, scenario: Scenario, vehicle: VehicleModel, *, margin: float) -> GuessResult:
+        options = self.options or HybridAStarOptions(margins=(margin,))
+        if options.max_expansions < portfolio.MANY:
+            options = replace(options, max_expansions=1)
+        return HybridAStar(options).make(scenario, vehicle, margin=margin)
+
+
+def test_a_search_that_ran_out_goes_on_while_there_is_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tightspot.planner.portfolio.HybridAStar", Hasty)
+    monkeypatch.setattr("tightspot.planner.request.HybridAStar", Hasty)
+    monkeypatch.setattr(portfolio, "LinearInterpolation", Hasty)
+    report = tightspot.plan("parallel").report
+    assert report["guess"]["name"] == "hybrid-astar, patient"
+    assert report["tried"][0]["status"] == "NO_GUESS"
 
 
 def test_a_scene_without_a_way_is_refused_with_what_was_tried() -> None:

@@ -34,6 +34,7 @@ from tightspot.search import (
     Direction,
     HybridAStarOptions,
     SearchResult,
+    SearchStatus,
 )
 from tightspot.solvers import SolveReport, StageReport, Stagewise
 from tightspot.vehicles.base import VehicleModel
@@ -45,6 +46,7 @@ SEARCH_SECONDS = 4.0
 BETWEEN_WALLS = (NARROW, NARROWER, NARROWEST, SMALL_TURNS)
 FALLBACK_SECONDS = 20.0
 COURSE_SECONDS = 10.0
+MANY = 2_000_000
 SECONDS_MORE = 12.0
 """For other courses, once the first one's path is known to be certified as it is."""
 POLL_SECONDS = 0.1
@@ -176,7 +178,29 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
     if driven_as_found(request, first.found):
         until = min(deadline, time.perf_counter() + SECONDS_MORE)
     tried = [first, *on_all_cores(quick, [*_again(first, members[1]), *members[2:]], tell, until, stop_at_first=True)]
+    if request.guess == HybridAStar() and all(map(_ran_out, tried)):
+        tried.append(run_course(quick, _patient(request, deadline), tell, deadline))
     return conclude(request, tried, tell, deadline)
+
+
+def _ran_out(course: Course) -> bool:
+    """Whether it did not come from a search that found a path, or that looked at all that can be reached."""
+    result = course.found.details
+    return not isinstance(result, SearchResult) or result.status in (
+        SearchStatus.LIMIT_REACHED,
+        SearchStatus.TIME_LIMIT,
+    )
+
+
+def _patient(request: Request, deadline: float) -> Member:
+    """A search for most of the time that is left."""
+    options = HybridAStarOptions(
+        resolutions=tuple(replace(resolution, max_expansions=MANY) for resolution in (MEDIUM, NARROW, NARROWER)),
+        margins=(request.margin + MORE_THAN_MARGIN[1], request.margin + 0.001),
+        max_expansions=MANY,
+        time_limit=max(1.0, 0.7 * (deadline - time.perf_counter())),
+    )
+    return Member("hybrid-astar, patient", HybridAStar(options))
 
 
 def _again(first: Course, finer: Member) -> list[Member]:
