@@ -2,8 +2,8 @@
 
     python -m benchmarks.solver_speed [--starts N] [--substeps N] [--seed N] [--json FILE]
 
-The first table of ``tightspot bench speed`` by itself: the paper's three scenes with 20 intervals, the scene's start and
-random ones about it. See :mod:`tightspot.campaigns.speed`.
+The first table of ``tightspot bench speed`` by itself: the paper's three scenes with 20 intervals, the scene's start
+and random ones about it. See :mod:`tightspot.campaigns.speed`.
 """
 
 from __future__ import annotations

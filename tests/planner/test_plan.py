@@ -15,7 +15,8 @@ from tightspot.formulations import FORMULATIONS
 from tightspot.guesses import GivenPath
 from tightspot.planner import Progress
 from tightspot.scenarios import Obstacle, Scenario, builtin
-from tightspot.solvers import Ipopt, Stagewise
+from tightspot.solvers import Fatrop, Ipopt, Stagewise
+from tightspot.vehicles import SingleTrack
 from tightspot.verification import verify_plan
 
 
@@ -117,18 +118,40 @@ def test_time_is_limited() -> None:
     assert failure.value.report["rounds"][-1]["solve"]["status"] == "TIME_LIMIT"
 
 
-def test_the_default_solver_is_the_stagewise_one_and_falls_back_to_ipopt(monkeypatch: pytest.MonkeyPatch) -> None:
-    rounds = tightspot.plan("oblique").report["rounds"]
+def test_the_default_solver_is_the_stagewise_one_and_falls_back_to_fatrop_then_ipopt(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    report = tightspot.plan("oblique").report
+    rounds = report["rounds"]
+    assert report["fell_back_from"] == []
     assert {entry["solve"]["solver"] for entry in rounds} == {"stagewise"}
     assert all(entry["fell_back_from"] == [] for entry in rounds)
     monkeypatch.setattr("tightspot.planner.request.Stagewise", lambda: Stagewise(max_iterations=2))
-    entry = tightspot.plan("oblique", effort="fast").report["rounds"][0]
-    assert entry["solve"]["solver"] == "ipopt"
+    report = tightspot.plan("oblique", effort="fast").report
+    entry = report["rounds"][0]
+    assert entry["solve"]["solver"] == "fatrop"
     (failed,) = entry["fell_back_from"]
-    assert failed["solver"] == "stagewise"
-    assert failed["status"] == "ITERATION_LIMIT"
-    tried = tightspot.plan("oblique", guess="hybrid-astar", effort="balanced").report["tried"]
-    assert tried[-1]["guess"] == "hybrid-astar, ipopt", "when all else fails"
+    assert (failed["solver"], failed["status"]) == ("stagewise", "ITERATION_LIMIT")
+    assert {fallen["solver"] for fallen in report["fell_back_from"]} >= {"stagewise"}
+    monkeypatch.setattr("tightspot.planner.request.Fatrop", lambda time_limit: Fatrop(max_iterations=2))
+    report = tightspot.plan("oblique", effort="fast").report
+    entry = report["rounds"][0]
+    assert entry["solve"]["solver"] == "ipopt"
+    assert [fallen["solver"] for fallen in entry["fell_back_from"]] == ["stagewise", "fatrop"]
+    assert [fallen["solver"] for fallen in report["fell_back_from"]] == ["stagewise", "fatrop"]
+
+
+def test_a_model_of_one_s_own_is_solved_by_fatrop_and_the_report_says_why() -> None:
+    class Mine(SingleTrack):
+        """Not compiled in."""
+
+    base = tightspot.vehicle("paper")
+    report = tightspot.plan("oblique", vehicle=Mine(base.name, base.wheelbase, base.body, base.limits)).report
+    assert report["solver"] == "fatrop"
+    (first, *_) = report["fell_back_from"]
+    assert (first["solver"], first["status"]) == ("stagewise", "NOT_USABLE")
+    assert "Mine" in first["sentence"]
+    assert report["rounds"][-1]["solve"]["solver"] in ("fatrop", "ipopt")
 
 
 def test_a_formulation_without_lines_is_solved_by_ipopt() -> None:

@@ -88,11 +88,12 @@ def solves_table(summaries: Mapping[str, Mapping[str, Any]]) -> list[str]:
     header += ["IPOPT's", "near the best", "IPOPT's", "largest residual"]
     rows = []
     for scene, figures in summaries.items():
-        ratio, times = figures["ratio"], figures["milliseconds"]
+        ratio, times = figures["ratio"] or {}, figures["milliseconds"]
         residual = figures["largest_residual"]
         rows.append(
             (
-                scene, f"{ratio['median']:.0f}", f"{ratio['p10']:.0f} to {ratio['p90']:.0f}",
+                scene, f"{ratio['median']:.0f}" if ratio else "-",
+                f"{ratio['p10']:.0f} to {ratio['p90']:.0f}" if ratio else "-",
                 f"{times['median']:.2f}", f"{figures['set_up_milliseconds']:.2f}",
                 f"{figures['ipopt_milliseconds']['median']:.1f}", f"{figures['iterations']:.0f}",
                 f"{figures['ipopt_iterations']:.0f}", _percent(figures["success"]),
@@ -101,8 +102,8 @@ def solves_table(summaries: Mapping[str, Mapping[str, Any]]) -> list[str]:
             )
         )  # fmt: skip
     note = (
-        '"Near the best": J within 1 % of the better of the two. "Largest residual" of our solutions: violation, '
-        "stationarity and complementarity, computed with the functions that IPOPT is given."
+        'Ratios of the cases that we solve. "Near the best": J within 1 % of the better of the two. "Largest residual" '
+        "of our solutions: violation, stationarity and complementarity, computed with the functions that IPOPT is given."
     )
     return [*table(header, rows), "", note]
 

@@ -144,15 +144,15 @@ def headline(result: dict[str, Any]) -> dict[str, Any]:
         for name in ("warm_plans", "warm")
     )
     return {
-        "solve_ratio": main["ratio"]["median"],
-        "solve_ratio_time_optimal": fast["ratio"]["median"],
+        "solve_ratio": _median(main),
+        "solve_ratio_time_optimal": _median(fast),
         "plan_ratio": plans["ratio"]["median"] if "ratio" in plans else None,
         "search_ratio": plans["search_ratio"]["median"] if "ratio" in plans else None,
         "success": main["success"],
         "success_time_optimal": fast["success"],
         "success_ipopt": main["ipopt_success"],
         "success_plans": plans["success"],
-        "straight_line_ratio": lines["ratio"]["median"],
+        "straight_line_ratio": _median(lines),
         "straight_line_success": lines["success"],
         "solves_per_second": result["batch"]["solves_per_second"],
         "warm_ratio": float(np.median(warm_ratios)) if warm_ratios else None,
@@ -163,6 +163,11 @@ def headline(result: dict[str, Any]) -> dict[str, Any]:
         "slope_obstacles": scaling["obstacles"]["slopes"]["seconds_per_iteration"],
         "plan_growth_obstacles": scaling["obstacles"]["plan_growth"]["times"],
     }
+
+
+def _median(figures: dict[str, Any]) -> float | None:
+    """Of the ratios; ``None`` if no case was solved."""
+    return float(figures["ratio"]["median"]) if figures["ratio"] else None
 
 
 def with_all(cases: dict[str, list[Case]]) -> dict[str, Any]:

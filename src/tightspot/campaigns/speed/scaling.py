@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import dataclasses
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,9 +34,6 @@ from tightspot.solvers.stagewise import core_solver
 from tightspot.transcription import TimeGrid, stage_problem, transcribe
 
 REPEATS = 5
-KEPT = 20_000
-"""Pairs in the solvers that are alive at once when memory is measured; 2 to 50 solvers."""
-
 LATTICE = 32
 """Obstacles in a row, for up to a thousand."""
 
@@ -50,10 +47,9 @@ def over_steps(counts: Sequence[int], ipopt_up_to: int, tell: Callable[[str], No
     """The solve alone, on ever finer meshes."""
     (start,) = starts("vertical", 1, 0)
     rows: list[Row] = []
-    alive: list[Any] = []
     for count in counts:
         tell(f"{count} steps")
-        rows.append({"steps": count, **_solve(start, count, alive, with_ipopt=count <= ipopt_up_to)})
+        rows.append({"steps": count, **_solve(start, count, with_ipopt=count <= ipopt_up_to)})
     return {"rows": rows, "slopes": _slopes(rows, "steps")}
 
 
@@ -61,7 +57,6 @@ def over_vertices(counts: Sequence[int], tell: Callable[[str], None]) -> dict[st
     """The solve alone, with the obstacles' corners rounded by ever more vertices."""
     (start,) = starts("vertical", 1, 0)
     rows: list[Row] = []
-    alive: list[Any] = []
     for count in counts:
         tell(f"{count} vertices")
         obstacles = tuple(
@@ -69,7 +64,7 @@ def over_vertices(counts: Sequence[int], tell: Callable[[str], None]) -> dict[st
             for obstacle in start.scenario.obstacles
         )
         scenario = dataclasses.replace(start.scenario, obstacles=obstacles)
-        rows.append({"vertices": count, **_solve(Start(scenario, start.guess), STEPS, alive, with_ipopt=True)})
+        rows.append({"vertices": count, **_solve(Start(scenario, start.guess), STEPS, with_ipopt=True)})
     return {"rows": rows, "slopes": _slopes(rows, "vertices")}
 
 
@@ -79,13 +74,12 @@ def over_obstacles(
     """The whole plan, and the solve alone with all obstacles in the program."""
     (start,) = starts("vertical", 1, 0)
     rows: list[Row] = []
-    alive: list[Any] = []
     for count in counts:
         tell(f"{count} obstacles")
         scenario = crowded(count)
         row = {
             "obstacles": count,
-            **_solve(Start(scenario, start.guess), STEPS, alive, with_ipopt=count <= ipopt_up_to),
+            **_solve(Start(scenario, start.guess), STEPS, with_ipopt=count <= ipopt_up_to),
         }
         times, certified = [], 0
         for _ in range(repeats + 1):
@@ -136,7 +130,7 @@ def rounded(corners: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     return np.vstack(points)
 
 
-def _solve(start: Start, steps: int, alive: list[Any], *, with_ipopt: bool) -> Row:
+def _solve(start: Start, steps: int, *, with_ipopt: bool) -> Row:
     settings, grid, vehicle = settings_for(ENERGY_AND_TIME), TimeGrid.uniform(steps), car()
     problem = stage_problem(start.scenario, vehicle, start.guess, settings, grid=grid)
     core, options = core_solver(problem), Stagewise().options()
@@ -152,7 +146,7 @@ def _solve(start: Start, steps: int, alive: list[Any], *, with_ipopt: bool) -> R
         "iterations": report.iterations,
         "seconds_per_iteration": seconds / max(report.iterations, 1),
         "success": report.status.success,
-        "megabytes": _megabytes(problem, alive),
+        "megabytes": _megabytes(problem),
     }
     if with_ipopt:
         theirs = by_the_paper(transcribe(start.scenario, vehicle, start.guess, settings, grid=grid).nlp)
@@ -170,25 +164,31 @@ def _slopes(rows: Sequence[Row], what: str) -> dict[str, float | None]:
     return found
 
 
-def _megabytes(problem: StageProblem, alive: list[Any]) -> float | None:
-    """Memory of one solver of the problem, 10^6 bytes; ``None`` where the system does not tell.
-
-    The solvers go to ``alive``: what is freed would be used again, unseen from outside.
-    """
-    before = _resident()
-    cores = [core_solver(problem) for _ in range(int(np.clip(KEPT // max(len(problem.pairs), 1), 2, 50)))]
-    for core in cores:
-        core.set(problem.starting_point())
-    alive += cores
-    after = _resident()
-    return None if before is None or after is None else max(0.0, (after - before) / len(cores) / 1e6)
+def _megabytes(problem: StageProblem) -> float | None:
+    """Memory of one solver of the problem, 10^6 bytes; ``None`` where the system does not tell."""
+    before = _allocated()
+    core = core_solver(problem)
+    core.set(problem.starting_point())
+    after = _allocated()
+    return None if before is None or after is None else max(0, after - before) / 1e6
 
 
-def _resident() -> int | None:
+class _Mallinfo(ctypes.Structure):
+    """``struct mallinfo2`` of the GNU C library."""
+
+    _names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
+    _fields_ = tuple((name, ctypes.c_size_t) for name in _names.split())  # noqa: RUF012
+
+
+def _allocated() -> int | None:
+    """Bytes that compiled code has in use, where the C library tells (glibc 2.33 and later)."""
     try:
-        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * 4096
-    except OSError:
+        mallinfo = ctypes.CDLL(None).mallinfo2
+    except (AttributeError, OSError, TypeError):
         return None
+    mallinfo.restype = _Mallinfo
+    found = mallinfo()
+    return int(found.uordblks + found.hblkhd)
 
 
 __all__ = ["GAP", "crowded", "over_obstacles", "over_steps", "over_vertices", "rounded"]

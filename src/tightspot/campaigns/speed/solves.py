@@ -89,7 +89,7 @@ def compare_all(
 
 
 def summary(cases: Sequence[Case]) -> dict[str, Any]:
-    """Ratios, success rates, and how often each is within 1 % of the better of the two."""
+    """Ratios of the cases that we solve, success rates, and how often each is within 1 % of the better of the two."""
     column = {key: np.array([case[key] for case in cases]) for key in cases[0]}
     ours = np.where(column["success"], column["objective"], np.inf)
     theirs = np.where(column["ipopt_success"], column["ipopt_objective"], np.inf)
@@ -97,7 +97,7 @@ def summary(cases: Sequence[Case]) -> dict[str, Any]:
     solved = column["residual"][column["success"]]
     return {
         "starts": len(cases),
-        "ratio": quantiles(column["ipopt_seconds"] / column["seconds"]),
+        "ratio": quantiles((column["ipopt_seconds"] / column["seconds"])[column["success"]]) if solved.size else None,
         "milliseconds": quantiles(1e3 * column["seconds"]),
         "set_up_milliseconds": float(1e3 * np.median(column["set_up_seconds"])),
         "ipopt_milliseconds": quantiles(1e3 * column["ipopt_seconds"]),
