@@ -103,7 +103,7 @@ def solves_table(summaries: Mapping[str, Mapping[str, Any]]) -> list[str]:
         )  # fmt: skip
     note = (
         'Ratios of the cases that we solve. "Near the best": J within 1 % of the better of the two. "Largest residual" '
-        "of our solutions: violation, stationarity and complementarity, computed with the functions that IPOPT is given."
+        "of our solutions: violation, stationarity and complementarity, computed with the functions IPOPT is given."
     )
     return [*table(header, rows), "", note]
 

@@ -177,7 +177,7 @@ class _Mallinfo(ctypes.Structure):
     """``struct mallinfo2`` of the GNU C library."""
 
     _names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
-    _fields_ = tuple((name, ctypes.c_size_t) for name in _names.split())  # noqa: RUF012
+    _fields_ = tuple((name, ctypes.c_size_t) for name in _names.split())
 
 
 def _allocated() -> int | None:
