@@ -11,11 +11,13 @@ from tightspot.formulations import SeparatingLine, SweptLine, SweptUnitNormalLin
 from tightspot.guesses import HybridAStar
 from tightspot.scenarios import builtin
 from tightspot.solvers import Ipopt, Stagewise, WarmStart
+from tightspot.trajectory import Trajectory
 from tightspot.transcription import (
     Settings,
     TimeGrid,
     carry_lines,
     carry_over,
+    moved_ends,
     parents,
     resample,
     stage_problem,
@@ -134,3 +136,29 @@ def test_a_point_of_one_backend_starts_another():
     warm = Ipopt().solve(nlp, warm=WarmStart(report.x, report.lam_x, report.lam_g))
     assert warm.objective == pytest.approx(report.objective, rel=1e-6)
     assert warm.iterations < cold.iterations
+
+
+def test_moved_ends_make_the_same_problem_as_transcribing_anew():
+    report = Stagewise().solve_stages(stage_problem(SCENE, CAR, GUESS, settings(), grid=COARSE))
+    assert report.status.success
+    shift = np.array([0.1, -0.05, 0.03 + 2 * np.pi, 0.0, 0.0])
+    scene = SCENE.with_(start=SCENE.start + shift, goal=SCENE.goal + 0.01)
+    moved = moved_ends(report, scene)
+    names = CAR.state_names, CAR.input_names
+    at = Trajectory(report.final_time * COARSE.fractions, report.states, report.inputs, *names)
+    anew = stage_problem(scene, CAR, at, settings(), grid=COARSE)
+    for name in ("start", "goal", "widths", "pairs", "pair_demands", "pair_sides", "walls", "wall_lines"):
+        np.testing.assert_allclose(getattr(moved, name), getattr(anew, name), atol=1e-12, err_msg=name)
+    np.testing.assert_allclose(moved.states, anew.states, atol=1e-9)
+    np.testing.assert_array_equal(moved.lines, report.lines)
+    again = replace(Stagewise(), initial_barrier=1e-4).solve_stages(
+        moved, warm=replace(report.point, v=moved.starting_point())
+    )
+    assert again.status.success
+    assert again.objective == pytest.approx(Stagewise().solve_stages(anew).objective, rel=1e-3)
+
+
+def test_other_obstacles_need_another_problem():
+    report = Stagewise().solve_stages(stage_problem(SCENE, CAR, GUESS, settings(), grid=COARSE))
+    others = [SCENE.obstacles[0].shifted([0.0, -0.1]), *SCENE.obstacles[1:]]
+    assert moved_ends(report, SCENE.with_(obstacles=others)) is None
