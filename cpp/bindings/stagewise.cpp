@@ -16,6 +16,7 @@
 
 #include "tightspot/stagewise/generated/single_track.hpp"
 #include "tightspot/stagewise/interior_point.hpp"
+#include "tightspot/stagewise/start_lines.hpp"
 #include "tightspot/stagewise/validate.hpp"
 
 namespace nb = nanobind;
@@ -142,6 +143,45 @@ void fill(Vector& into, const Array& from, const char* what) {
                                std::to_string(into.size()))
                                   .c_str());
     std::copy(from.data(), from.data() + from.size(), into.begin());
+}
+
+Indices integers(const Integers& from) { return Indices(from.data(), from.data() + from.size()); }
+
+Polygons polygons(const Array& vertices, const Integers& first, const char* what) {
+    Polygons result;
+    result.first = integers(first);
+    for (std::size_t i = 0; i + 1 < vertices.size(); i += 2)
+        result.x.push_back(vertices.data()[i]), result.y.push_back(vertices.data()[i + 1]);
+    bool sound = vertices.size() % 2 == 0 && !result.first.empty() && result.first.front() == 0 &&
+                 result.first.back() == static_cast<int>(result.x.size());
+    for (int i = 0; sound && i < result.size(); ++i) sound = result.count(i) > 0;
+    need(sound, what);
+    return result;
+}
+
+// (phi, offset, x, y) of every pair: see start_lines.hpp.
+Table start_lines(const Array& states, const Integers& pieces, bool at_knots, const Array& part_vertices,
+                  const Integers& part_first, const Array& obstacle_vertices, const Integers& obstacle_first,
+                  const Integers& pairs) {
+    const Polygons parts = polygons(part_vertices, part_first, "part_vertices");
+    const Polygons obstacles = polygons(obstacle_vertices, obstacle_first, "obstacle_vertices");
+    const Indices each = integers(pieces), wanted = integers(pairs);
+    const int steps = static_cast<int>(each.size());
+    need(states.ndim() == 2 && states.shape(0) == each.size() + 1 && states.shape(1) >= 3, "states");
+    for (int count : each) need(count >= 1, "pieces");
+    need(wanted.size() % 3 == 0, "pairs");
+    const GuessedMotion motion{states.data(), static_cast<int>(states.shape(1)), each, at_knots};
+    StartLines lines(parts, obstacles);
+    Vector result;
+    result.reserve(wanted.size() / 3 * 4);
+    for (std::size_t i = 0; i < wanted.size(); i += 3) {
+        const int k = wanted[i], part = wanted[i + 1], obstacle = wanted[i + 2];
+        need(k >= 0 && k < steps && part >= 0 && part < parts.size() && obstacle >= 0 && obstacle < obstacles.size(),
+             "pairs");
+        const StartLine line = lines.of(motion, k, part, obstacle);
+        for (double number : {line.phi, line.offset, line.x, line.y}) result.push_back(number);
+    }
+    return tightspot::table(std::move(result), 4);
 }
 
 template <class Model>
@@ -273,4 +313,6 @@ void TIGHTSPOT_BIND_STAGEWISE(nb::module_& m) {
         .def_rw("second_order_correction", &Options::second_order_correction)
         .def_rw("warm", &Options::warm);
     bind_model<SingleTrack>(m, "StagewiseSingleTrack");
+    m.def("stagewise_start_lines", &start_lines, "states"_a, "pieces"_a, "at_knots"_a, "part_vertices"_a, "part_first"_a,
+          "obstacle_vertices"_a, "obstacle_first"_a, "pairs"_a);
 }

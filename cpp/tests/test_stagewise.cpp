@@ -7,6 +7,7 @@
 #include "check.hpp"
 #include "tightspot/stagewise/generated/single_track.hpp"
 #include "tightspot/stagewise/interior_point.hpp"
+#include "tightspot/stagewise/start_lines.hpp"
 #include "tightspot/stagewise/validate.hpp"
 
 // The sanitizer's allocator tells of every allocation, so that a test can say that solving makes none.
@@ -182,6 +183,22 @@ TEST(stagewise_rows_come_back_in_the_problems_order) {
     Vector back(rows.size());
     solver.put_in_place(rows, back);
     CHECK(back == solver.values().rows);
+}
+
+TEST(stagewise_starts_from_the_lines_that_separate_best) {
+    const Vector states = {0, 0, 0, 0, 2, 0, pi / 2, 0};  // two knots, four numbers each
+    const Indices pieces = {2};
+    StartLines lines(boxes({{-1, 1, -1, 1}}), boxes({{-9, 9, 3, 4}, {5, 7, -20, 20}}));
+    const StartLine above = lines.of({states.data(), 4, pieces, true}, 0, 0, 0);
+    CHECK_CLOSE(above.phi, -pi / 2, 1e-12);
+    CHECK_CLOSE(above.offset, -2, 1e-12);
+    CHECK_CLOSE(above.x, 2, 1e-12);
+    CHECK_CLOSE(above.y, 2, 1e-12);
+    // At 45 degrees, half way, the body reaches furthest to the right at the end all the same: 2 + 1.
+    const StartLine right = lines.of({states.data(), 4, pieces, false}, 0, 0, 1);
+    CHECK_CLOSE(std::abs(right.phi), pi, 1e-12);
+    CHECK_CLOSE(right.offset, -4, 1e-12);
+    CHECK_CLOSE(right.x, 4, 1e-12);
 }
 
 TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {

@@ -288,6 +288,29 @@ def core_solver(problem: StageProblem) -> Any:
         raise InputError(Problem("problem", str(error))) from None
 
 
+def start_lines(
+    states: Array,
+    pieces: NDArray[np.int64],
+    pairs: NDArray[np.int64],
+    part_vertices: Array,
+    part_first: NDArray[np.int64],
+    obstacle_vertices: Array,
+    obstacle_first: NDArray[np.int64],
+    *,
+    at_knots: bool,
+) -> tuple[Array, Array]:
+    """Lines (phi, mu) of pairs to start from, (n, 2), and the points next to the body to measure them from, (n, 2).
+
+    As :func:`tightspot.formulations.lines.line_of_guess`: the best normal at the interval's middle pose, and the offset
+    midway between the obstacle and the body at all the interval's poses, interpolated between the knots, or at the last
+    one alone. The arrays are those of a :class:`StageProblem`; the states are the guess's.
+    """
+    states = np.ascontiguousarray(states)
+    polygons = (part_vertices, part_first, obstacle_vertices, obstacle_first)
+    table = _core().stagewise_start_lines(states, pieces, at_knots, *polygons, np.ascontiguousarray(pairs))
+    return np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:])
+
+
 def _core() -> Any:
     try:
         from tightspot import _core

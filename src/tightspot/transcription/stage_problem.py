@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from tightspot.errors import InputError, Problem
 from tightspot.formulations import Formulation, SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
 from tightspot.geometry.polygon import ConvexPolygon
-from tightspot.geometry.separation import best_line
-from tightspot.geometry.transforms import nearest_angle, transform
+from tightspot.geometry.transforms import nearest_angle
 from tightspot.scenarios.scenario import Scenario
 from tightspot.solvers.stage_problem import LineForm, StageProblem
+from tightspot.solvers.stagewise import start_lines
 from tightspot.trajectory import Trajectory
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.objective import EnergyForm
@@ -53,6 +53,7 @@ def stage_problem(
     Raises:
         InputError: An argument does not fit the others, or the stagewise solver does not know the vehicle's model or
             the formulation (see :func:`fits_stages`).
+        BuildError: The compiled core is missing.
     """
     obstacles = [polygon for _, polygon in scenario.obstacle_parts]
     shape = (grid.steps, len(vehicle.parts))
@@ -100,10 +101,12 @@ def _arrays(
         states[k] = np.where(np.isnan(state), states[k], state)
     time_low, time_high = settings.final_time_bounds
     edges = wall_indices[:, 2]
-    lines, origins = _lines(vehicle, obstacles, guess, pieces, pairs, settings.formulation)
     steering = vehicle.limits.steering
     part_vertices, part_first = _stacked([part.polygon for part in vehicle.parts])
     obstacle_vertices, obstacle_first = _stacked(obstacles)
+    at_knots = settings.formulation.holds == "knots"
+    polygons = (part_vertices, part_first, obstacle_vertices, obstacle_first)
+    lines, origins = start_lines(guess.states, pieces, pairs, *polygons, at_knots=at_knots)
     return StageProblem(
         model="single_track",
         parameters=np.array([vehicle.wheelbase, steering, np.tan(steering)]),
@@ -170,60 +173,3 @@ def _demands(settings: Settings, pieces: Integers, fixed: tuple[bool, bool]) -> 
     if not on_interval:
         pair[first] = wall[first] = np.nan
     return pair, sides, wall
-
-
-def _lines(
-    vehicle: VehicleModel,
-    obstacles: list[ConvexPolygon],
-    guess: Trajectory,
-    pieces: Integers,
-    pairs: Integers,
-    formulation: Formulation,
-) -> tuple[Array, Array]:
-    """Closed-form lines (phi, mu) of the guess and their origins, for all pairs at once, (n, 2) each.
-
-    As :func:`tightspot.formulations.lines.line_of_guess`: the best normal at the interval's middle pose, and the offset
-    midway between the obstacle and the body at all the interval's poses.
-    """
-    lines, origins = np.zeros((len(pairs), 2)), np.zeros((len(pairs), 2))
-    if not len(pairs):
-        return lines, origins
-    interval = np.repeat(np.arange(pieces.size), pieces + 1)
-    first = np.concatenate([[0], np.cumsum(pieces + 1)[:-1]])
-    weight = ((np.arange(interval.size) - first[interval]) / pieces[interval])[:, None]
-    if formulation.holds == "knots":
-        weight[:] = 1.0
-    states = (1 - weight) * guess.states[interval] + weight * guess.states[interval + 1]
-    frames = vehicle.frames(list(states.T), np)
-    padded = _padded(obstacles)
-    for index, part in enumerate(vehicle.parts):
-        mine = np.flatnonzero(pairs[:, 1] == index)
-        if not mine.size:
-            continue
-        k = pairs[mine, 0]
-        poses = np.column_stack(frames[part.frame])
-        body = transform(part.polygon.vertices, poses)
-        middle = first[k] + (pieces[k] + 1) // 2
-        O = padded[pairs[mine, 2]]
-        normal = best_line(body[middle], O).normal
-        farthest = np.einsum("pji,pi->pj", O, normal).max(axis=1)
-        of_pair = np.repeat(np.arange(mine.size), pieces[k] + 1)
-        starts = np.concatenate([[0], np.cumsum(pieces[k] + 1)[:-1]])
-        sample = first[k][of_pair] + np.arange(of_pair.size) - starts[of_pair]
-        nearest = np.einsum("svi,si->sv", body[sample], normal[of_pair]).min(axis=1)
-        offset = (np.minimum.reduceat(nearest, starts) + farthest) / 2
-        lines[mine] = np.column_stack([np.arctan2(normal[:, 1], normal[:, 0]), offset])
-        position = poses[middle, :2]
-        away = np.einsum("pi,pi->p", normal, position) - offset
-        origins[mine] = position - away[:, None] * normal
-    return lines, origins
-
-
-def _padded(obstacles: list[ConvexPolygon]) -> Array:
-    """Vertices of all obstacle parts, (parts, most, 2), the last one repeated where there are fewer."""
-    most = max(len(polygon.vertices) for polygon in obstacles)
-    result = np.empty((len(obstacles), most, 2))
-    for row, polygon in zip(result, obstacles, strict=True):
-        count = len(polygon.vertices)
-        row[:count], row[count:] = polygon.vertices, polygon.vertices[-1]
-    return result

@@ -1,0 +1,73 @@
+// Separating lines to start from, in closed form, for every pair of a stagewise problem.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tightspot/judge/outline.hpp"
+#include "tightspot/stagewise/problem.hpp"
+
+namespace tightspot::stagewise {
+
+// What lines are asked for: the guess's states (x, y, theta first), `nx` numbers a knot, and pairs (interval, part,
+// obstacle). Poses in between are interpolated; with `at_knots` only the one at the interval's end counts.
+struct GuessedMotion {
+    const double* states;
+    int nx;
+    const Indices& pieces;
+    bool at_knots;
+
+    judge::Placement pose(int k, int piece) const {
+        const double weight = at_knots ? 1.0 : static_cast<double>(piece) / pieces[k];
+        const double *from = states + k * nx, *to = from + nx;
+        double q[3];
+        for (int i = 0; i < 3; ++i) q[i] = (1 - weight) * from[i] + weight * to[i];
+        return {q[0], q[1], std::cos(q[2]), std::sin(q[2])};
+    }
+};
+
+// A line {q: n . q = offset}, n = (cos phi, sin phi), and its point next to the body's reference point.
+struct StartLine {
+    double phi, offset, x, y;
+};
+
+class StartLines {
+   public:
+    StartLines(const Polygons& parts, const Polygons& obstacles)
+        : parts_(outlines(parts)), obstacles_(outlines(obstacles)) {}
+
+    // The best normal at the middle pose of interval k, and the offset midway between the obstacle and the body at all of
+    // the interval's poses.
+    StartLine of(const GuessedMotion& motion, int k, int part, int obstacle) {
+        const int pieces = motion.pieces[k];
+        const judge::Placement middle = motion.pose(k, (pieces + 1) / 2);
+        judge::place(parts_[part], middle, body_);
+        const judge::Line line = judge::best_line(body_, obstacles_[obstacle]);
+        double nearest = HUGE_VAL;
+        for (int piece = 0; piece <= pieces; ++piece) {
+            judge::place(parts_[part], motion.pose(k, piece), body_);
+            nearest = std::min(nearest, judge::lowest(line.normal, body_.vertices));
+        }
+        const tightspot::Point n = line.normal;
+        const double offset = (nearest + line.support) / 2, away = n.x * middle.x + n.y * middle.y - offset;
+        return {std::atan2(n.y, n.x), offset, middle.x - away * n.x, middle.y - away * n.y};
+    }
+
+   private:
+    static std::vector<judge::Outline> outlines(const Polygons& polygons) {
+        std::vector<judge::Outline> result;
+        for (int i = 0; i < polygons.size(); ++i) {
+            std::vector<tightspot::Point> vertices;
+            for (int j = polygons.first[i]; j < polygons.first[i + 1]; ++j)
+                vertices.push_back({polygons.x[j], polygons.y[j]});
+            result.emplace_back(std::move(vertices));
+        }
+        return result;
+    }
+
+    std::vector<judge::Outline> parts_, obstacles_;
+    judge::Outline body_;
+};
+
+}  // namespace tightspot::stagewise
