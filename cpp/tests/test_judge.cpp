@@ -6,6 +6,7 @@
 #include "check.hpp"
 #include "shapes.hpp"
 #include "tightspot/judge/cover.hpp"
+#include "tightspot/judge/sampled.hpp"
 #include "tightspot/judge/single_track.hpp"
 
 using namespace shapes;
@@ -219,4 +220,22 @@ TEST(many_far_obstacles_change_nothing_for_the_near_one) {
     }
     for (const Sight& sight : cover.pairs) CHECK(sight.holds);
     for (; row < cover.pieces.size(); ++row) CHECK(cover.pieces[row].proved > 1);
+}
+
+TEST(samples_are_exact_near_and_no_larger_far_away) {
+    const Obstacles obstacles({box(4, 5, -1, 1), box(0, 1, 30, 31)});
+    const Outline part = box(-1, 1, -0.5, 0.5);
+    const std::vector<Pose> poses{{0, 0, 0}, {0, 0, pi / 4}, {4.5, 0, 0}};
+    const std::vector<double> near = sampled_clearances(part, poses, obstacles, 8);
+    const std::vector<double> all = sampled_clearances(part, poses, obstacles, 1e9);
+    CHECK(near.size() == 6 && all.size() == 6);
+    CHECK_CLOSE(near[0], 3.0, 1e-12);
+    CHECK_CLOSE(near[2], 4 - 1.5 / std::sqrt(2), 1e-12);
+    CHECK_CLOSE(near[4], -1.5, 1e-12);
+    for (std::size_t i = 0; i < all.size(); ++i) CHECK(near[i] <= all[i] + 1e-12);
+    const Walls walls{{{1, 0}}, {-2}};
+    const std::vector<double> depths = sampled_depths(part, poses, walls);
+    CHECK_CLOSE(depths[0], 1.0, 1e-12);
+    CHECK_CLOSE(depths[2], 5.5, 1e-12);
+    CHECK(sampled_clearances(part, {}, obstacles, 8).empty());
 }
