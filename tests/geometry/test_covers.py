@@ -84,3 +84,14 @@ def test_a_dropped_vertex_is_taken_in_again():
     (part,) = covers.reaching([ConvexPolygon.from_vertices([(0, 0), bump, (1, 0), (1, 1), (0, 1)])], np.array([bump]))
     assert part.contains(bump)
     assert part.area == pytest.approx(1)
+
+
+@pytest.mark.parametrize("height", [3.0, 0.1, 1e-3, 1e-5])
+@pytest.mark.parametrize("distance", [0.1, 1e-3, 1e-8])
+def test_growing_moves_no_corner_far_however_sharp(height, distance):
+    sliver = ConvexPolygon.from_vertices(np.array([[0.0, 0.0], [3.0, 0.0], [3.0, height]]))
+    larger = covers.grown(sliver, distance)
+    reach = shapely.distance(sliver.to_shapely(), shapely.points(larger.vertices)).max()
+    assert reach <= 10 * distance + 1e-14
+    around = sliver.to_shapely().buffer(0.999 * distance)
+    assert ((shapely.get_coordinates(around) @ larger.A.T).max(axis=0) <= larger.b + 1e-13).all()

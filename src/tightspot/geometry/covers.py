@@ -21,6 +21,9 @@ from tightspot.geometry.polygon import ConvexPolygon
 
 Array = NDArray[np.float64]
 
+_FARTHEST_STEP = 10.0
+_QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
+
 
 class Merged(NamedTuple):
     """A convex part in the place of others.
@@ -54,10 +57,19 @@ def containing(polygon: ConvexPolygon, points: Array) -> ConvexPolygon:
 
 
 def grown(polygon: ConvexPolygon, distance: float) -> ConvexPolygon:
-    """The polygon with all its edges moved outward by ``distance`` m."""
+    """The polygon with all its edges moved outward by ``distance`` m.
+
+    Corners of less than 11 degrees are cut off so that none moves by more than ten times the distance: a sliver's tip
+    would run away.
+    """
     normal, following = polygon.A, np.roll(polygon.A, -1, axis=0)
     step = (normal + following) / (1.0 + (normal * following).sum(axis=1, keepdims=True))
-    return ConvexPolygon.from_vertices(polygon.vertices + distance * step)
+    sharp = np.hypot(*step.T) > _FARTHEST_STEP
+    if not sharp.any():
+        return ConvexPolygon.from_vertices(polygon.vertices + distance * step)
+    ahead, back = normal @ _QUARTER_TURN.T, following @ _QUARTER_TURN.T
+    caps = [polygon.vertices[sharp] + distance * way[sharp] for way in (normal + ahead, following - back)]
+    return hull(np.concatenate([polygon.vertices[~sharp] + distance * step[~sharp], *caps]))
 
 
 def reaching(parts: Sequence[ConvexPolygon], points: Array) -> list[ConvexPolygon]:
