@@ -152,7 +152,7 @@ TEST(stagewise_reductions_are_those_of_plain_loops) {
 
 TEST(stagewise_rows_come_back_in_the_problems_order) {
     // Bodies and obstacles of different sizes, so that there are full groups and single lines.
-    Problem mixed = problem(5, {{5, 9, 3.2, 5}, {1, 2, 4, 5}}, 2);
+    Problem mixed = problem(5, {{4, 7, 3.2, 5}, {1, 2, 4, 5}}, 2);
     mixed.obstacles.x.push_back(7), mixed.obstacles.y.push_back(5.5), mixed.obstacles.first.back() += 1;
     Solver solver(mixed);
     start(solver);
@@ -204,16 +204,16 @@ TEST(stagewise_starts_from_the_lines_that_separate_best) {
 TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
     const Outcome free = solve(problem(9, {}));
     CHECK(free.status == Status::solved);
-    const Outcome past = solve(problem(9, {{5, 9, 3.2, 5}}));
+    const Outcome past = solve(problem(9, {{4, 7, 3.2, 5}}));
     CHECK(past.status == Status::solved);
     CHECK(past.objective > free.objective + 1e-3);
-    const Outcome swept = solve(problem(9, {{5, 9, 3.2, 5}}, 2));
+    const Outcome swept = solve(problem(9, {{4, 7, 3.2, 5}}, 2));
     CHECK(swept.status == Status::solved);
     CHECK(swept.objective > past.objective);
 }
 
 TEST(stagewise_takes_full_steps_at_the_end) {
-    Solver solver(problem(12, {{5, 9, 3.2, 5}}));
+    Solver solver(problem(12, {{4, 7, 3.2, 5}}));
     start(solver);
     const Outcome outcome = solver.solve(Options{});
     CHECK(outcome.status == Status::solved);
@@ -225,7 +225,7 @@ TEST(stagewise_takes_full_steps_at_the_end) {
 
 TEST(stagewise_is_deterministic_and_safe_in_threads) {
     const auto run = [](Vector& v) {
-        Solver solver(problem(10, {{5, 9, 3.2, 5}}, 2));
+        Solver solver(problem(10, {{4, 7, 3.2, 5}}, 2));
         start(solver);
         solver.solve(Options{});
         v = solver.point.v;
@@ -238,7 +238,7 @@ TEST(stagewise_is_deterministic_and_safe_in_threads) {
 }
 
 TEST(stagewise_allocates_nothing_while_it_solves) {
-    Solver solver(problem(9, {{5, 9, 3.2, 5}}, 2));
+    Solver solver(problem(9, {{4, 7, 3.2, 5}}, 2));
     start(solver);
     solver.log.reserve(10001);
     CHECK(__sanitizer_install_malloc_and_free_hooks(count_allocation, ignore_release) > 0);
@@ -276,7 +276,7 @@ TEST(stagewise_never_calls_the_impossible_solved) {
     closed.time_high = 12;
     CHECK(solve(std::move(closed)).status != Status::solved);
     for (double bad : {nan_, infinity, 1e200}) {
-        Solver solver(problem(8, {{5, 9, 3.2, 5}}));
+        Solver solver(problem(8, {{4, 7, 3.2, 5}}));
         start(solver);
         solver.point.v[7] = bad;
         CHECK(solver.solve(Options{}).status != Status::solved);
@@ -285,7 +285,7 @@ TEST(stagewise_never_calls_the_impossible_solved) {
 
 TEST(stagewise_survives_degenerate_problems) {
     CHECK(solve(problem(1, {})).status != Status::solved);  // one interval cannot do it
-    Problem same = problem(8, {{5, 9, 3.2, 5}, {5, 9, 3.2, 5}, {5, 9, 3.2, 5}});  // coincident obstacles
+    Problem same = problem(8, {{4, 7, 3.2, 5}, {4, 7, 3.2, 5}, {4, 7, 3.2, 5}});  // coincident obstacles
     CHECK(solve(std::move(same)).status == Status::solved);
     Problem point = problem(8, {});
     point.obstacles.x = {7}, point.obstacles.y = {3.2}, point.obstacles.first = {0, 1};
@@ -306,11 +306,11 @@ TEST(stagewise_survives_degenerate_problems) {
 
 TEST(stagewise_names_what_cannot_be_used) {
     const auto wrong = [](void (*spoil)(Problem&)) {
-        Problem p = problem(4, {{5, 9, 3.2, 5}});
+        Problem p = problem(4, {{4, 7, 3.2, 5}});
         spoil(p);
         return flaw(p, 5, 2, 3);
     };
-    CHECK(flaw(problem(4, {{5, 9, 3.2, 5}}), 5, 2, 3).empty());
+    CHECK(flaw(problem(4, {{4, 7, 3.2, 5}}), 5, 2, 3).empty());
     CHECK(wrong([](Problem& p) { p.steps = 0; }) == "widths");
     CHECK(wrong([](Problem& p) { p.widths[1] = nan_; }) == "widths");
     CHECK(wrong([](Problem& p) { p.pieces[0] = 0; }) == "pieces");

@@ -22,6 +22,7 @@ from tightspot.solvers.base import (
     WarmStart,
 )
 from tightspot.solvers.nlp import Nlp
+from tightspot.solvers.rough_starts import can_start_again, ways
 from tightspot.solvers.stage_order import CorePoint, order_of
 from tightspot.solvers.stage_problem import StageProblem
 
@@ -40,6 +41,14 @@ LOG_COLUMNS = (
     "primal_step", "dual_step", "trials",
 )  # fmt: skip
 """What the columns of a report's log mean."""
+MOST_ITERATIONS = 150
+"""Of each solve from another start than the given one."""
+_TRY_AGAIN = (
+    SolveStatus.INFEASIBLE,
+    SolveStatus.NUMERICAL,
+    SolveStatus.DIVERGED,
+    SolveStatus.ITERATION_LIMIT,
+)
 WARM_PUSH = 1e-3
 """How far a warm start is moved away from bounds that it is at."""
 
@@ -65,6 +74,21 @@ class StagePoint:
     nu: Array
 
 
+@dataclass(frozen=True)
+class Attempt:
+    """One of the starts that a solve was made from.
+
+    Attributes:
+        start: ``"given"``, or how it was made (see :mod:`tightspot.solvers.rough_starts`).
+        status: How the solve from there ended, or the drive without obstacles that it should have followed.
+        iterations: Of both.
+    """
+
+    start: str
+    status: SolveStatus
+    iterations: int
+
+
 @dataclass(frozen=True, eq=False)
 class StageReport(SolveReport):
     """A :class:`SolveReport` whose vectors are in the order of the Nlp that says the same, and the stagewise ones.
@@ -77,7 +101,9 @@ class StageReport(SolveReport):
         final_time: s.
         pairs: (interval, part, obstacle part) of each pair, (n, 3).
         lines: (phi, mu) of each pair, (n, 2).
-        log: One line an iteration, columns :data:`LOG_COLUMNS`.
+        log: One line an iteration of the solve that is reported, columns :data:`LOG_COLUMNS`.
+        attempts: The starts that were tried; the report is that of the last one if it succeeded, else of the first.
+            ``iterations`` and ``timings`` are those of all together.
     """
 
     problem: StageProblem | None = None
@@ -88,6 +114,12 @@ class StageReport(SolveReport):
     pairs: NDArray[np.int64] | None = None
     lines: Array | None = None
     log: Array | None = None
+    attempts: tuple[Attempt, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """As :meth:`SolveReport.to_dict`, with the starts that were tried."""
+        tried = [{"start": one.start, "status": one.status.name, "iterations": one.iterations} for one in self.attempts]
+        return super().to_dict() | {"attempts": tried}
 
 
 @dataclass(frozen=True)
@@ -102,13 +134,16 @@ class Stagewise(Solver):
         max_iterations: Limit.
         time_limit: Wall-clock limit of one solve, s.
         initial_barrier: mu_0; ``None``: chosen from the objective at the start.
+        robust: When the solve from the given start comes to nothing, try the ways of
+            :mod:`tightspot.solvers.rough_starts`. All together keep to the limits on iterations and time.
     """
 
     name: ClassVar[str] = "stagewise"
     tolerance: float = 1e-8
-    max_iterations: int = 500
+    max_iterations: int = 1000
     time_limit: float = 10.0
     initial_barrier: float | None = None
+    robust: bool = True
 
     def __post_init__(self) -> None:
         problems = [
@@ -150,6 +185,52 @@ class Stagewise(Solver):
         Raises:
             InputError: An array does not fit the others.
         """
+        first = replace(self, max_iterations=2 * self.max_iterations // 5) if self.robust else self
+        report = first._once(problem, warm, callback)
+        tried = (Attempt("given", report.status, report.iterations),)
+        report = replace(report, attempts=tried)
+        if not self.robust or report.status not in _TRY_AGAIN:
+            return report
+        return self._from_other_starts(problem, report, callback)
+
+    def _from_other_starts(
+        self, problem: StageProblem, failed: StageReport, callback: IterationCallback | None
+    ) -> StageReport:
+        """The first success from the ways to begin, or the failed report, with what was tried."""
+        report, began = failed, time.perf_counter()
+        for way in ways(problem) if can_start_again(problem) else ():
+            seconds = self.time_limit - failed.timings["solve"] - (time.perf_counter() - began)
+            left = self.max_iterations - report.iterations
+            if seconds <= 0 or left <= 0:
+                break
+            solver = replace(self, time_limit=seconds, max_iterations=min(left, MOST_ITERATIONS))
+            drive = solver._once(way.problem, None, callback)
+            found, iterations = drive, drive.iterations
+            if drive.status.success and drive.states is not None and drive.inputs is not None:
+                again = with_states(problem, drive.states, drive.inputs, drive.final_time)
+                solver = replace(solver, max_iterations=min(max(left - iterations, 0), MOST_ITERATIONS))
+                found = solver._once(again, None, callback, original=problem)
+                iterations += found.iterations
+            report = replace(
+                found if found.status.success else report,
+                iterations=report.iterations + iterations,
+                attempts=(*report.attempts, Attempt(way.name, found.status, iterations)),
+                timings={"build": report.timings["build"], "solve": time.perf_counter() - began},
+            )
+            if found.status is SolveStatus.STOPPED:
+                return replace(report, status=SolveStatus.STOPPED)
+            if found.status.success:
+                return replace(report, note=f"Not solved from the given start, but from another one: {way.name}.")
+        return report
+
+    def _once(
+        self,
+        problem: StageProblem,
+        warm: StagePoint | None,
+        callback: IterationCallback | None,
+        original: StageProblem | None = None,
+    ) -> StageReport:
+        """One solve from one start; the report is in the order of ``original``, the problem with its own lines."""
         started = time.perf_counter()
         core = core_solver(problem)
         options = self.options(warm=warm is not None)
@@ -165,7 +246,9 @@ class Stagewise(Solver):
         answer = core.solve(options, watch)
         timings = {"build": built - started, "solve": answer["seconds"]}
         with np.errstate(invalid="ignore", over="ignore"):
-            return self._report(problem, answer, timings)
+            if original is not None:
+                answer["v"] = original.variables(*problem.unpack(answer["v"]))
+            return self._report(original or problem, answer, timings)
 
     def solve_many(self, problems: Sequence[StageProblem], *, threads: int = 1) -> list[StageReport]:
         """Solve each by itself, on several threads; the answers do not depend on their number."""
@@ -309,6 +392,15 @@ def start_lines(
     polygons = (part_vertices, part_first, obstacle_vertices, obstacle_first)
     table = _core().stagewise_start_lines(states, pieces, at_knots, *polygons, np.ascontiguousarray(pairs))
     return np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:])
+
+
+def with_states(problem: StageProblem, states: Array, inputs: Array, final_time: float) -> StageProblem:
+    """The problem, starting from other states, inputs and t_f, with the lines that separate best there."""
+    first = np.concatenate([[0], np.cumsum(problem.pieces + 1)[:-1]])
+    at_knots = bool(np.isnan(problem.pair_demands[first, 0]).all())
+    polygons = (problem.part_vertices, problem.part_first, problem.obstacle_vertices, problem.obstacle_first)
+    lines, origins = start_lines(states, problem.pieces, problem.pairs, *polygons, at_knots=at_knots)
+    return problem.replaced(states=states, inputs=inputs, final_time=final_time, lines=lines, pair_origins=origins)
 
 
 def _core() -> Any:

@@ -24,7 +24,8 @@ class InteriorPoint : public Newton<Model> {
     using Base::stationarity_, Base::values_, Base::violation_;
     using Pace = typename Base::Pace;
     static constexpr double first_regularisation = 0.3;  // keeps the first steps short; falls threefold each iteration
-    static constexpr int patience = 60;  // iterations without progress at a feasible point
+    static constexpr int patience = 60;  // iterations without progress: in optimality, or towards feasibility
+    static constexpr double infeasible_violation = 1e-4;
     static constexpr double smallest_barrier_of_tolerance = 0.1;
 
    public:
@@ -48,8 +49,8 @@ class InteriorPoint : public Newton<Model> {
         filter_.clear(), last_regularisation_ = 0, large_violation_ = -1;
         options_ = options, mu_ = options.initial_barrier;
         if (!initialise()) return finish(outcome, Status::numerical, seconds());
-        int acceptable = 0, failures = 0, since_best = 0;
-        double best = std::numeric_limits<double>::infinity();
+        int acceptable = 0, failures = 0, since_best = 0, since_nearer = 0;
+        double best = std::numeric_limits<double>::infinity(), nearest = best;
         for (int iteration = 0;; ++iteration) {
             Record record = measure(iteration);
             outcome.iterations = iteration;
@@ -59,6 +60,8 @@ class InteriorPoint : public Newton<Model> {
             Status status = Status::solved;
             since_best = error < 0.5 * best ? 0 : since_best + 1;
             best = std::min(best, error);
+            since_nearer = record.violation < 0.9 * nearest ? 0 : since_nearer + 1;
+            if (since_nearer == 0) nearest = record.violation;
             acceptable = error <= options.acceptable_tolerance ? acceptable + 1 : 0;
             if (!std::isfinite(all)) status = Status::numerical;
             else if (error <= options.tolerance) status = Status::solved;
@@ -69,10 +72,12 @@ class InteriorPoint : public Newton<Model> {
             else if (diverged()) status = Status::diverged;
             else if (since_best > patience && record.violation <= options.acceptable_tolerance)
                 status = error <= options.acceptable_tolerance ? Status::acceptable : Status::numerical;
+            else if (since_nearer > 2 * patience && nearest > infeasible_violation)
+                status = Status::infeasible;
             else {
                 update_barrier(iteration);
                 if (!advance(record, outcome, failures))
-                    status = record.violation > 1e-4 ? Status::infeasible : Status::numerical;
+                    status = record.violation > infeasible_violation ? Status::infeasible : Status::numerical;
                 else {
                     log.push_back(record);
                     continue;
