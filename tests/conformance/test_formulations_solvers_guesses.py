@@ -18,8 +18,8 @@ from tightspot.formulations import FORMULATIONS
 from tightspot.geometry import ConvexPolygon, clearance, transform
 from tightspot.guesses import GUESSES, GivenPath
 from tightspot.scenarios import Obstacle, Scenario
-from tightspot.solvers import SOLVERS
-from tightspot.transcription import Objective, Settings, TimeGrid, transcribe
+from tightspot.solvers import SOLVERS, Stagewise, WarmStart
+from tightspot.transcription import Objective, Settings, TimeGrid, stage_problem, transcribe
 from tightspot.vehicles import vehicle
 from tightspot.verification import minimum_clearance
 
@@ -178,6 +178,26 @@ def test_exact_formulations_at_the_knots_agree_where_they_find_the_same_manoeuvr
             assert value == pytest.approx(wanted, rel=1e-6)
             compared += 1
     assert compared >= 2
+
+
+STAGEWISE = ("separating-line", "unit-normal-line", "swept-line", "swept-unit-normal-line")
+
+
+@pytest.mark.parametrize("formulation", STAGEWISE)
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_stagewise_optimum_is_one_for_ipopt(scene, formulation):
+    """Started there with its multipliers, IPOPT stays: the two programs and their optima are the same."""
+    scenario, car = SCENES[scene], vehicle(SCENES[scene].vehicle)
+    settings = Settings(OBJECTIVE, FORMULATIONS[formulation](), margin=MARGIN)
+    arguments, grid = (scenario, car, guess(scene, "hybrid-astar"), settings), TimeGrid.uniform(STEPS)
+    ours = Stagewise().solve_stages(stage_problem(*arguments, grid=grid))
+    assert ours.status.success, (ours.status.sentence, ours.worst)
+    nlp = transcribe(*arguments, grid=grid).nlp
+    theirs = SOLVERS["ipopt"](time_limit=20.0).solve(nlp, warm=WarmStart(ours.x, ours.lam_x, ours.lam_g))
+    assert theirs.status.success, theirs.status.sentence
+    assert theirs.objective == pytest.approx(ours.objective, rel=1e-6)
+    states = slice(0, car.n_states * (STEPS + 1))
+    np.testing.assert_allclose(theirs.x[states], ours.x[states], atol=0.05)  # optima are flat
 
 
 def test_the_wide_scene_binds():

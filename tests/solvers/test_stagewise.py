@@ -1,11 +1,15 @@
 """The stagewise solver against IPOPT: same optima, and its points satisfy the Nlp's optimality conditions."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 
+from tightspot.errors import InputError
 from tightspot.formulations import SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
 from tightspot.guesses import HybridAStar
+from tightspot.scenarios import check
 from tightspot.scenarios.library import builtin
 from tightspot.solvers import Ipopt
 from tightspot.solvers.stagewise import Stagewise
@@ -54,6 +58,38 @@ def test_satisfies_the_programs_optimality_conditions(scene, member):
     assert report.x.shape == nlp.x0.shape
     for residual in kkt_residuals(nlp, report):
         assert residual < 1e-6
+
+
+def shifted(scene, seed):
+    """The scene with a random other start from which there is a way, and its hybrid A* guess."""
+    rng, base, car = np.random.default_rng(seed), builtin(scene), vehicle("paper")
+    while True:
+        start = base.start + np.concatenate([rng.uniform(-1, 1, 3) * [1.0, 0.5, 0.2], np.zeros(2)])
+        scenario = replace(base, start=start)
+        try:
+            check(scenario, car, 0.05)
+        except InputError:
+            continue
+        guess = HybridAStar().make(scenario, car, margin=0.05).trajectory
+        if guess is not None:
+            return scenario, guess
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("weight", [1.0, 0.01])
+@pytest.mark.parametrize("scene", ["oblique", "vertical", "parallel"])
+def test_conditions_hold_from_random_starts(scene, weight, seed):
+    """At the knots, and on the whole interval, which starts from the solution at the knots."""
+    (scenario, guess), car, grid = shifted(scene, seed), vehicle("paper"), TimeGrid.uniform(20)
+    arguments = {"objective": Objective(weight), "margin": 0.002, "substeps": 4 if seed else 1}
+    for member in (SeparatingLine(), SweptLine()):
+        given = (scenario, car, guess, Settings(formulation=member, **arguments))
+        report = Stagewise().solve_stages(stage_problem(*given, grid=grid))
+        assert report.status.success, report.status.sentence
+        for residual in kkt_residuals(transcribe(*given, grid=grid).nlp, report):
+            assert residual < 1e-6
+        times = report.final_time * grid.fractions
+        guess = replace(guess, t=times, states=report.states, inputs=report.inputs)
 
 
 @pytest.mark.parametrize(("scene", "weight"), [("oblique", 1.0), ("vertical", 0.01), ("parallel", 1.0)])
