@@ -10,53 +10,34 @@ the first ``--reference`` starts only: it takes long. Times are processor times 
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 import statistics
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.solver_speed import AROUND, GAP, PAPERS_METHOD, SCENES, STEPS
-from tightspot.errors import InputError
-from tightspot.formulations import SeparatingLine
+from tightspot.campaigns.speed.cases import GAP, SCENES, STEPS, by_the_paper, car, scenes_about, settings_for
 from tightspot.guesses import LinearInterpolation
-from tightspot.scenarios import Scenario, check
-from tightspot.scenarios.library import builtin
+from tightspot.scenarios import Scenario
 from tightspot.solvers.stagewise import Stagewise
 from tightspot.trajectory import Trajectory
-from tightspot.transcription import Objective, Settings, TimeGrid, transcribe
+from tightspot.transcription import TimeGrid, transcribe
 from tightspot.transcription.stage_problem import stage_problem
-from tightspot.vehicles import vehicle
 
 
-def starts(scene: str, count: int, seed: int) -> Iterator[tuple[Scenario, Trajectory]]:
-    """The scene and versions of it that start elsewhere, each with its straight line."""
-    rng, base, car = np.random.default_rng(seed), builtin(scene), vehicle("paper")
-    found = 0
-    while found < count:
-        start = np.array(base.start)
-        if found:
-            start[:3] += rng.uniform(-AROUND, AROUND)
-        scenario = dataclasses.replace(base, start=start)
-        try:
-            check(scenario, car, GAP)
-        except InputError:
-            continue
-        found += 1
-        guess = LinearInterpolation().make(scenario, car, margin=GAP).trajectory
-        if guess is not None:
-            yield scenario, guess
+def line(scenario: Scenario) -> Trajectory:
+    """From start to goal."""
+    guess = LinearInterpolation().make(scenario, car(), margin=GAP).trajectory
+    assert guess is not None
+    return guess
 
 
 def measure(scenario: Scenario, guess: Trajectory, weight: float, substeps: int, *, reference: bool) -> dict[str, Any]:
     """The stagewise solver on one start, plainly and robustly, and IPOPT if asked to."""
-    settings = Settings(objective=Objective(weight), formulation=SeparatingLine(), margin=GAP, substeps=substeps)
-    arguments, grid = (scenario, vehicle("paper"), guess, settings), TimeGrid.uniform(STEPS)
+    arguments, grid = (scenario, car(), guess, settings_for(weight, substeps)), TimeGrid.uniform(STEPS)
     problem = stage_problem(*arguments, grid=grid)
     plain = Stagewise(robust=False).solve_stages(problem)
     began = time.thread_time()
@@ -71,10 +52,7 @@ def measure(scenario: Scenario, guess: Trajectory, weight: float, substeps: int,
     }
     if reference:
         nlp = transcribe(*arguments, grid=grid).nlp
-        began = time.thread_time()
-        theirs = PAPERS_METHOD.solve(nlp)
-        parts = theirs.timings
-        case["ipopt_seconds"] = (time.thread_time() - began) * parts["solve"] / (parts["build"] + parts["solve"])
+        theirs, case["ipopt_seconds"] = by_the_paper(nlp)
         case["ipopt_success"] = theirs.status.success
         case["ipopt_objective"] = theirs.objective if theirs.status.success else np.inf
     return case
@@ -122,8 +100,8 @@ def main() -> None:
         everything = []
         for scene in SCENES:
             cases = [
-                measure(*start, weight, options.substeps, reference=index < options.reference)
-                for index, start in enumerate(starts(scene, options.starts, options.seed))
+                measure(scenario, line(scenario), weight, options.substeps, reference=index < options.reference)
+                for index, scenario in enumerate(scenes_about(scene, options.starts, options.seed, GAP))
             ]
             everything += cases
             results[f"{scene}, r = {weight:g}"] = summary(cases)

@@ -41,7 +41,10 @@ def compare(
         built.append(halfway - began)
         solved.append(time.thread_time() - halfway)
     assert problem is not None
+    began = time.thread_time()
     ours = solver.solve_stages(problem)
+    if len(ours.attempts) > 1:  # other starts count, too
+        solved = [time.thread_time() - began]
     return {
         "ipopt_seconds": seconds,
         "ipopt_iterations": theirs.iterations,
