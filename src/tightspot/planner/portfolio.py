@@ -26,6 +26,8 @@ from tightspot.scenarios.bottleneck import is_closed
 from tightspot.scenarios.scenario import Scenario
 from tightspot.search import (
     COARSE,
+    FINE,
+    FINEST,
     MEDIUM,
     NARROW,
     NARROWER,
@@ -118,6 +120,7 @@ def members_of(request: Request) -> list[Member]:
     as_it_is = {"resolutions": (COARSE, MEDIUM, *BETWEEN_WALLS), "margins": (margin + 0.003, margin + 0.001)}
     variants: dict[str, dict[str, Any]] = {
         "the whole margin": as_it_is,
+        "finest cells": {"resolutions": (FINE, FINEST)},
         "from the wider end": {"directions": (Direction.WIDE_END, Direction.TIGHT_END)},
         "few gear changes": {"gear_change": 10.0},
         "many gear changes": {"gear_change": 0.3, "steering_change": 0.1},
