@@ -166,3 +166,14 @@ def test_coordinates_near_five_billion_metres_are_recentred(tpcap):
     assert scenario.offset.tolist() == [4484378811, -354286007]
     assert np.abs(scenario.start[:2]).max() <= 0.5
     assert max(np.abs(o.exterior).max() for o in scenario.obstacles) < 30
+
+
+def test_numbers_may_be_in_quotes(tmp_path):
+    numbers = "0,0,0,9,1,0,1,3,4,4,6,4,6,6".split(",")
+    plain, quoted, odd = (tmp_path / name for name in ("plain.csv", "quoted.csv", "odd.csv"))
+    plain.write_text(",".join(numbers))
+    quoted.write_text(",".join(f'"{number}"' for number in numbers))
+    odd.write_text('"' + ",".join(numbers))
+    assert load(quoted).to_dict()["obstacles"] == load(plain).to_dict()["obstacles"]
+    with pytest.raises(SceneError, match="value 1"):
+        load(odd)

@@ -40,13 +40,14 @@ DESCRIPTION = "A scene of the Trajectory Planning Competition for Automated Park
 _MOST_VALUES = 7 + 3 * MAX_VERTICES
 
 _DELIMITER = re.compile(r"\s*[,;]\s*|\s+")
+_UNQUOTED = re.compile(r"^\"([^\"]*)\"$")
 
 
 def read_tpcap(source: Source, given: Given) -> Scenario:
     """The scene in a competition file.
 
-    Separators may be commas, semicolons, blanks and line breaks. An obstacle that has no area (a point, a wall drawn
-    as a line) is not dropped, which would be unsafe, but thickened to 1 mm.
+    Separators may be commas, semicolons, blanks and line breaks; numbers may be in quotes. An obstacle that has
+    no area (a point, a wall drawn as a line) is not dropped, which would be unsafe, but thickened to 1 mm.
 
     Raises:
         SceneError: Not numbers, fewer or more numbers than announced, or a scene that is none.
@@ -119,7 +120,7 @@ def _tokens(text: str) -> Iterator[tuple[int, str]]:
 
 def _number(token: str) -> float:
     try:
-        return float(token) if "_" not in token else np.nan
+        return float(_UNQUOTED.sub(r"\1", token)) if "_" not in token else np.nan
     except ValueError:
         return np.nan
 
