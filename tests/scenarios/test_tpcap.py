@@ -7,6 +7,7 @@ import pytest
 from shapely import LineString, Point, Polygon
 from shapely.ops import unary_union
 
+from tightspot.errors import InputError
 from tightspot.scenarios import Scenario, check, clearance, load, workspace_excess
 
 GOOD = "0,0,0.1,9,1,-0.2,2,4,3,3,3,5,3,5,5,3,5,3,-5,6,-5,6,-3"
@@ -169,11 +170,11 @@ def test_coordinates_near_five_billion_metres_are_recentred(tpcap):
 
 
 def test_numbers_may_be_in_quotes(tmp_path):
-    numbers = "0,0,0,9,1,0,1,3,4,4,6,4,6,6".split(",")
+    numbers = [str(number) for number in (0, 0, 0, 9, 1, 0, 1, 3, 4, 4, 6, 4, 6, 6)]
     plain, quoted, odd = (tmp_path / name for name in ("plain.csv", "quoted.csv", "odd.csv"))
     plain.write_text(",".join(numbers))
     quoted.write_text(",".join(f'"{number}"' for number in numbers))
     odd.write_text('"' + ",".join(numbers))
     assert load(quoted).to_dict()["obstacles"] == load(plain).to_dict()["obstacles"]
-    with pytest.raises(SceneError, match="value 1"):
+    with pytest.raises(InputError, match="value 1"):
         load(odd)
