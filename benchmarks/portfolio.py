@@ -83,7 +83,7 @@ def as_markdown(plans: int, rows: list[dict[str, Any]]) -> str:
         "",
         f"- `balanced` planned {plans} scenes; of the {len(rows)} others, another method planned {len(others)}",
         f"- so `balanced` planned {100 * part:.1f} % of the {plans + len(others)} scenes that any method plans",
-        f"- tried, {SECONDS:g} to {BEST_SECONDS:g} s each by the clock: {', '.join(methods(0.0))}",
+        f"- tried, {SECONDS:g} to {BEST_SECONDS:g} s each by the clock: {'; '.join(methods(0.0))}",
         "",
         "| scene | kind | ratio | margin m | what another method found |",
         "|---|---|---|---|---|",
