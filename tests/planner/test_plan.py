@@ -104,7 +104,7 @@ def test_a_failed_solve_is_never_a_plan() -> None:
 
 def test_a_refuted_solution_is_never_a_plan() -> None:
     with pytest.raises(PlanningError) as failure:
-        tightspot.plan("parallel", formulation="separating-line", steps=12, refinements=0)
+        tightspot.plan("parallel", formulation="separating-line", steps=12, refinements=0, effort="fast")
     witness = failure.value.witness
     assert witness is not None
     assert witness.clearance < 0.05

@@ -191,7 +191,8 @@ class Stagewise(Solver):
         report = replace(report, attempts=tried)
         if not self.robust or report.status not in _TRY_AGAIN:
             return report
-        return self._from_other_starts(problem, report, callback)
+        with np.errstate(all="ignore"):
+            return self._from_other_starts(problem, report, callback)
 
     def _from_other_starts(
         self, problem: StageProblem, failed: StageReport, callback: IterationCallback | None
