@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -324,4 +325,69 @@ TEST(stagewise_names_what_cannot_be_used) {
     CHECK(wrong([](Problem& p) { p.obstacles.x[1] = infinity; }) == "obstacle_vertices");
     CHECK(wrong([](Problem& p) { p.pair_demands.pop_back(); }) == "pair_demands");
     CHECK(wrong([](Problem& p) { p.wall_demands[1].constant = nan_; }) == "wall_demands");
+}
+
+namespace {
+
+// Numbers that are the same with every library: the distributions' are not.
+struct Dice {
+    std::mt19937 engine;
+
+    double between(double low, double high) { return low + (high - low) * (static_cast<double>(engine()) / 4294967296.0); }
+    bool one_in(unsigned n) { return engine() % n == 0; }
+    double hostile() {
+        const double all[] = {nan_, infinity, -infinity, 1e300, -1e300, 1e-300, 0, 1e12};
+        return all[engine() % 8];
+    }
+};
+
+// A drive with boxes anywhere, some on the start, some twice, some points; sometimes with fields that are out of order.
+Problem hostile(Dice& dice) {
+    std::vector<std::vector<double>> obstacles;
+    for (unsigned i = dice.engine() % 4; i > 0; --i) {
+        const double x = dice.between(-4, 12), y = dice.between(-4, 5);
+        const double size = dice.one_in(5) ? 0 : dice.between(0.05, 5);
+        obstacles.push_back({x, x + size, y, y + dice.between(0, 4)});
+        if (dice.one_in(4)) obstacles.push_back(obstacles.back());
+        if (dice.one_in(5)) obstacles.push_back({-1, 1, -1, 1});
+    }
+    Problem p = problem(1 + static_cast<int>(dice.engine() % 8), obstacles, 1 + static_cast<int>(dice.engine() % 3));
+    if (dice.one_in(5)) p.goal = p.start;
+    if (dice.one_in(5)) p.input_weights = {0, 0};
+    if (dice.one_in(5)) p.time_weight = 0;
+    if (dice.one_in(5)) p.time_high = p.time_low = dice.between(0.1, 20);
+    if (dice.one_in(6)) p.goal[dice.engine() % 5] = dice.hostile();
+    if (dice.one_in(8)) p.widths[0] = dice.hostile();
+    if (dice.one_in(8) && !p.obstacles.x.empty()) p.obstacles.x[0] = dice.hostile();
+    if (dice.one_in(8)) p.state_high[3] = dice.hostile();
+    return p;
+}
+
+}  // namespace
+
+TEST(stagewise_ends_in_a_status_whatever_it_is_given) {
+    Dice dice{std::mt19937(7)};
+    int solved = 0, refused = 0;
+    for (int round = 0; round < 150; ++round) {
+        Problem p = hostile(dice);
+        if (!flaw(p, 5, 2, 3).empty()) {
+            ++refused;
+            continue;
+        }
+        Solver solver(std::move(p));
+        start(solver);
+        Vector& v = solver.point.v;
+        if (dice.one_in(6)) v[dice.engine() % v.size()] = dice.hostile();
+        Options options;
+        options.max_iterations = 80;
+        const Outcome outcome = solver.solve(options);
+        CHECK(outcome.status != Status::invalid);
+        CHECK(outcome.iterations <= 80);
+        if (outcome.status != Status::solved) continue;
+        ++solved;
+        Vector samples(Audit<SingleTrack>::scratch_size(solver.problem()), 0);
+        CHECK(Audit<SingleTrack>(solver.problem(), solver.layout(), v, samples).violation() <= 1e-7);
+    }
+    CHECK(solved > 10);
+    CHECK(refused > 5);
 }
