@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from tightspot.formulations import SweptLine
 from tightspot.guesses import GuessResult
 from tightspot.guesses.lifting import lift_path
 from tightspot.planner.request import Request
@@ -29,10 +30,13 @@ NOTE = "not optimised: the searched path as it is, driven arc by arc"
 def driven_as_found(request: Request, found: GuessResult) -> Round | None:
     """A certified round without a solve; ``None`` if there is no path, or the judge does not certify it.
 
-    Start and goal must be at rest: the path is driven from rest to rest.
+    Start and goal must be at rest: the path is driven from rest to rest. Who asks for a solver, a formulation or a
+    number of intervals wants that solved, and nothing else.
     """
     result, car, scenario = found.details, request.vehicle, request.scenario
     if not (isinstance(result, SearchResult) and result.path is not None and isinstance(car, SingleTrack)):
+        return None
+    if not (request.fallbacks and request.formulation == SweptLine() and request.steps is None):
         return None
     began = time.perf_counter()
     start = lift_path(result.path, scenario, car, "standing")
