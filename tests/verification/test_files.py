@@ -12,6 +12,7 @@ from tightspot.files import atomic_write
 from tightspot.geometry import ConvexPolygon
 from tightspot.scenarios import Obstacle, Scenario
 from tightspot.verification import (
+    JudgeSettings,
     Plan,
     load_plan,
     replay,
@@ -31,7 +32,7 @@ def test_plan_file_round_trip(plan, tmp_path):
     assert loaded.report == {"solver": "none"}
     verdict = verify_plan(loaded)
     assert verdict.upheld
-    assert verdict.certificate.to_dict() == plan.certificate.to_dict()
+    assert verify_plan(loaded, settings=JudgeSettings()).certificate.to_dict() == plan.certificate.to_dict()
     assert verdict.summary()[0] == "the plan is upheld"
 
 

@@ -150,10 +150,11 @@ def elsewhere(plan: Plan, scene: str | None, vehicle: str | None) -> Plan:
 
 
 def _anew(plan: Plan, margin: float | None) -> Certificate:
-    from tightspot.verification import verify
+    from tightspot.verification import JudgeSettings, verify
 
     demanded = max(0.0, plan.certificate.margin) if margin is None else margin
-    return verify(plan.scenario, plan.vehicle, plan.trajectory, margin=demanded)
+    settings = JudgeSettings(in_core=False)
+    return verify(plan.scenario, plan.vehicle, plan.trajectory, margin=demanded, settings=settings)
 
 
 def _collision(judged: Certificate) -> str:

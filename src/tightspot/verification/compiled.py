@@ -9,6 +9,7 @@ the judge has no dynamics in common with the stagewise solver.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,11 +18,6 @@ from numpy.typing import NDArray
 from tightspot.geometry import ConvexPolygon
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import SingleTrack, VehicleModel
-
-try:
-    from tightspot import _core
-except ImportError:  # plans can be judged without the core, more slowly
-    _core = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from tightspot._core import CoverAnswer, JudgeObstacles, JudgeSingleTrackBody, JudgeSingleTrackMotion, JudgeWalls
@@ -33,14 +29,24 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+@cache
+def core() -> Any:
+    """The compiled module, loaded when it is first needed; ``None`` if it was not built: NumPy does, more slowly."""
+    try:
+        from tightspot import _core
+    except ImportError:
+        return None
+    return _core
+
+
 def is_there() -> bool:
     """Whether the core was built."""
-    return _core is not None
+    return core() is not None
 
 
 def is_compiled(vehicle: VehicleModel) -> bool:
     """Whether the core knows the model. Of a subclass it does not: its methods may mean something else."""
-    return _core is not None and type(vehicle) is SingleTrack
+    return type(vehicle) is SingleTrack and is_there()
 
 
 def integrated(vehicle: SingleTrack, trajectory: Trajectory, **accuracy: float) -> Motion | None:
@@ -52,8 +58,8 @@ def integrated(vehicle: SingleTrack, trajectory: Trajectory, **accuracy: float) 
         accuracy: What ``JudgeAccuracy`` has.
     """
     parameters = np.array([vehicle.wheelbase])
-    motion = _core.JudgeSingleTrackMotion(trajectory.t, trajectory.states[0], trajectory.inputs, parameters)
-    return motion if motion.integrate(_filled(_core.JudgeAccuracy(), accuracy)) else None
+    motion = core().JudgeSingleTrackMotion(trajectory.t, trajectory.states[0], trajectory.inputs, parameters)
+    return motion if motion.integrate(_filled(core().JudgeAccuracy(), accuracy)) else None
 
 
 def body_on(motion: Motion, vehicle: VehicleModel, radii: Array, pads: Array, reserve: float) -> Body:
@@ -68,39 +74,46 @@ def body_on(motion: Motion, vehicle: VehicleModel, radii: Array, pads: Array, re
     """
     frames = np.array([part.frame for part in vehicle.parts], dtype=np.int64)
     vertices, first = _flat([part.polygon for part in vehicle.parts])
-    return _core.JudgeSingleTrackBody(motion, vertices, first, frames, radii, pads, reserve)
+    result: Body = core().JudgeSingleTrackBody(motion, vertices, first, frames, radii, pads, reserve)
+    return result
 
 
 def obstacles(polygons: Sequence[ConvexPolygon]) -> JudgeObstacles:
     """Convex obstacle parts as barriers."""
-    return _core.JudgeObstacles(*_flat(polygons))
+    result: JudgeObstacles = core().JudgeObstacles(*_flat(polygons))
+    return result
 
 
 def walls(workspace: ConvexPolygon) -> JudgeWalls:
     """The edges of the workspace as barriers."""
-    return _core.JudgeWalls(-workspace.A, -workspace.b)
+    result: JudgeWalls = core().JudgeWalls(-workspace.A, -workspace.b)
+    return result
 
 
 def covered(body: Body, barriers: Barriers, **task: float) -> CoverAnswer:
     """The fields of a :class:`~tightspot.verification.cover.Cover` of all pairs; ``task``: what ``JudgeTask`` has."""
-    return _core.judge_cover(body, barriers, _filled(_core.JudgeTask(), task))
+    result: CoverAnswer = core().judge_cover(body, barriers, _filled(core().JudgeTask(), task))
+    return result
 
 
 def worst_moments(
     body: Body, barriers: Barriers, pairs: NDArray[np.intp], times: Array, clearances: Array
 ) -> tuple[Array, Array]:
     """Times and clearances of the pairs' worst moments near the given ones."""
-    return _core.judge_worst_moments(body, barriers, pairs.astype(np.int64), times, clearances)
+    result: tuple[Array, Array] = core().judge_worst_moments(body, barriers, pairs.astype(np.int64), times, clearances)
+    return result
 
 
 def clearances(part: ConvexPolygon, poses: Array, barriers: JudgeObstacles, far: float) -> Array:
     """See :func:`tightspot.verification.sampled.sampled_clearance`: of one part at the poses (M, 3), all in a row."""
-    return _core.sampled_clearances(part.vertices, np.ascontiguousarray(poses, float), barriers, far)
+    result: Array = core().sampled_clearances(part.vertices, np.ascontiguousarray(poses, float), barriers, far)
+    return result
 
 
 def depths(part: ConvexPolygon, poses: Array, barriers: JudgeWalls) -> Array:
     """See :func:`tightspot.verification.sampled.sampled_room`: of one part at the poses (M, 3), all in a row."""
-    return _core.sampled_depths(part.vertices, np.ascontiguousarray(poses, float), barriers)
+    result: Array = core().sampled_depths(part.vertices, np.ascontiguousarray(poses, float), barriers)
+    return result
 
 
 def _filled(options: Any, values: dict[str, float]) -> Any:

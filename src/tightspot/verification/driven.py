@@ -42,7 +42,7 @@ class DrivenTrajectory(Trajectory):
         """The inputs integrated from the first knot's state; raises :class:`InputError` if that cannot be done."""
         if self.vehicle is None:
             raise InputError(Problem("vehicle", "is missing; make it with DrivenTrajectory.of(trajectory, vehicle)"))
-        return replay(self.vehicle, self)
+        return replay(self.vehicle, self, in_core=False)
 
     def sample(self, times: ArrayLike) -> Array:
         """States at ``times`` (...) in s, shape (..., n_x), columns as in ``state_names``.

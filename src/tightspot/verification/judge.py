@@ -44,12 +44,14 @@ class JudgeSettings:
         resolution: The proved clearance is brought within this of the true one, m.
         floor: Intervals that are still undecided below this length are given up, s.
         limits: What the other checks allow.
+        in_core: The compiled judge, if it knows the vehicle's model; otherwise NumPy, by the same steps.
     """
 
     tolerance: float = 1e-7
     resolution: float = 1e-3
     floor: float = 1e-5
     limits: Limits = field(default_factory=Limits)
+    in_core: bool = True
 
 
 def verify(
@@ -87,7 +89,7 @@ def verify(
     if not (np.isfinite(margin) and margin >= 0):
         raise InputError(Problem("margin", f"{margin} m must be a finite length, 0 or more"))
     scenario, trajectory = file_exact(scenario, trajectory)
-    played = replay(vehicle, trajectory, tolerance=settings.tolerance)
+    played = replay(vehicle, trajectory, tolerance=settings.tolerance, in_core=settings.in_core)
     names = [name for name, _ in scenario.obstacle_parts]
     polygons = [polygon for _, polygon in scenario.obstacle_parts]
     corners = np.concatenate([scenario.workspace.vertices, *(polygon.vertices for polygon in polygons)])

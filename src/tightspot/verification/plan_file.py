@@ -203,9 +203,12 @@ def load_plan(path: str | Path) -> Plan:
 def verify_plan(plan: Plan, *, settings: JudgeSettings | None = None) -> Verdict:
     """Judge a stored plan from scratch and check its stored certificate.
 
+    Unless ``settings`` say otherwise the judge works in NumPy, so that no compiled code is to be trusted.
+
     Raises:
         InputError: The trajectory cannot be integrated at all.
     """
+    settings = settings or JudgeSettings(in_core=False)
     arguments = plan.scenario, plan.vehicle, plan.trajectory
     margin = max(0.0, plan.certificate.margin)
     certificate = verify(*arguments, margin=margin, settings=settings)

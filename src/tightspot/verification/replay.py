@@ -121,7 +121,12 @@ class Replay:
 
 
 def replay(
-    vehicle: VehicleModel, trajectory: Trajectory, *, tolerance: float = 1e-7, first_step: float = 0.25
+    vehicle: VehicleModel,
+    trajectory: Trajectory,
+    *,
+    tolerance: float = 1e-7,
+    first_step: float = 0.25,
+    in_core: bool = True,
 ) -> Replay:
     """Integrate the trajectory's inputs from its first state.
 
@@ -135,13 +140,15 @@ def replay(
         trajectory: Only its times, its first state and its inputs are used.
         tolerance: m and rad.
         first_step: The longest step of the first, coarser solution, s.
+        in_core: By the compiled judge, if it knows the model; what is judged from it then is judged there, too.
 
     Raises:
         InputError: The names of states and inputs are not the vehicle's, a state exceeds 1e9, or the horizon
             is too long to be integrated to this tolerance.
     """
     _check_names(vehicle, trajectory)
-    found = (_compiled if compiled.is_compiled(vehicle) else _replayed)(vehicle, trajectory, tolerance, first_step)
+    made = _compiled if in_core and compiled.is_compiled(vehicle) else _replayed
+    found = made(vehicle, trajectory, tolerance, first_step)
     if found is None:
         raise InputError(
             Problem(
