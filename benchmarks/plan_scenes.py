@@ -103,7 +103,7 @@ def _processor() -> str:
 _COLUMNS = (
     ("scene", "scene", "{}"),
     ("process s", "seconds", "{:.1f}"),
-    ("plan s", "plan_seconds", "{:.1f}"),
+    ("plan s", "plan_seconds", "{:.2f}"),
     ("rounds", "rounds", "{}"),
     ("steps", "steps", "{}"),
     ("J", "objective", "{:.3f}"),
