@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.plan_scenes import RESULTS, machine
+from benchmarks.report import tell
 from tightspot.formulations import SeparatingLine
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Mesh, Round, Step, run_round
@@ -182,15 +182,8 @@ def main() -> int:
         sys.stderr.write(f"{scene} ...\n")
         rows += measure(scene, options.margin, options.runs, not options.no_ipopt)
     lines = table(rows)
-    where = ", ".join(f"{key} {value}" for key, value in machine().items())
-    head = ["# The swept line beside (17)", "", "Written by `python -m benchmarks.side_by_side`.", "", f"- {where}"]
-    head.append(f"- margin {options.margin:g} m; the fastest of {options.runs} solves each, alternating in one process")
-    report = "\n".join([*head, "", *lines]) + "\n"
-    sys.stdout.write(report)
-    if not options.no_write:
-        RESULTS.mkdir(exist_ok=True)
-        (RESULTS / "side_by_side.md").write_text(report, encoding="utf-8")
-        (RESULTS / "side_by_side_table.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    note = f"margin {options.margin:g} m; the fastest of {options.runs} solves each, alternating in one process"
+    tell("side_by_side", "The swept line beside (17)", note, lines, write=not options.no_write)
     return 0
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import tightspot
-from benchmarks.plan_scenes import RESULTS, machine
+from benchmarks.report import tell
 from tightspot.errors import PlanningError, SceneError
 from tightspot.scenarios import Scenario
 
@@ -157,17 +157,8 @@ def main() -> int:
     for scene in SCENES:
         measure(scene, 1)  # nothing is done for the first time in what is measured
     lines = table([measure(scene, options.moves) for scene in SCENES])
-    where = ", ".join(f"{key} {value}" for key, value in machine().items())
-    head = ["# Planning again from the last plan", "", "Written by `python -m benchmarks.warm`.", "", f"- {where}"]
-    head.append(
-        f"- margin {MARGIN:g} m; start moved by {DISTANCE:g} m and {np.degrees(TURN):g} deg; medians; processor time"
-    )
-    report = "\n".join([*head, "", *lines]) + "\n"
-    sys.stdout.write(report)
-    if not options.no_write:
-        RESULTS.mkdir(exist_ok=True)
-        (RESULTS / "warm.md").write_text(report, encoding="utf-8")
-        (RESULTS / "warm_table.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    note = f"margin {MARGIN:g} m; start moved by {DISTANCE:g} m and {np.degrees(TURN):g} deg; medians; processor time"
+    tell("warm", "Planning again from the last plan", note, lines, write=not options.no_write)
     return 0
 
 

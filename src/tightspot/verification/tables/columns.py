@@ -27,8 +27,6 @@ MEANINGS: Mapping[str, str] = {
 }
 """The columns that are used, with their meaning."""
 
-_QUATERNION = ("qx", "qy", "qz", "qw")
-
 _SYNONYMS: Mapping[str, str] = {
     "t": (
         "t time times timestamp stamp tt sec secs seconds elapsed elapsed_time sim_time simtime __time "
