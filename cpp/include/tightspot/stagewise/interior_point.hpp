@@ -24,6 +24,7 @@ class InteriorPoint : public Newton<Model> {
     using Base::stationarity_, Base::values_, Base::violation_;
     using Pace = typename Base::Pace;
     static constexpr double first_regularisation = 0.3;  // keeps the first steps short; falls threefold each iteration
+    static constexpr double little_less = 0.99;
     static constexpr int patience = 60;  // iterations without progress: in optimality, or towards feasibility
     static constexpr double infeasible_violation = 1e-4;
     static constexpr double smallest_barrier_of_tolerance = 0.1;
@@ -238,7 +239,8 @@ class InteriorPoint : public Newton<Model> {
     }
 
     // trial_ = point + alpha step, with its values; multipliers are left alone. Where a row has more room than its slack
-    // says, the slack takes it: that lowers both the violation and the barrier objective.
+    // says, the slack takes it: that lowers both the violation and the barrier objective. It does so, too, where the row
+    // has a little less; otherwise the last steps would be about rows that are far from being violated.
     void make_trial(double alpha, const Point& step) {
         const auto move = [&](const Vector& from, const Vector& by, Vector& to) {
             over_packs(from.size(), [&](auto zero, std::size_t i) {
@@ -249,7 +251,10 @@ class InteriorPoint : public Newton<Model> {
         move(point.v, step.v, trial_.v), move(point.s, step.s, trial_.s);
         trial_.settle_bounds(bounds_);
         assembly_.evaluate(trial_.v.data(), trial_values_);
-        for (int i = 0; i < layout_.rows; ++i) trial_.s[i] = std::max(trial_.s[i], trial_values_.rows[i]);
+        for (int i = 0; i < layout_.rows; ++i) {
+            const double s = trial_.s[i], row = trial_values_.rows[i];
+            trial_.s[i] = row > little_less * s ? row : s;
+        }
     }
 
     Acceptance try_step(double alpha, const Point& step, const Merit& from, double descent, Merit& reached) {
