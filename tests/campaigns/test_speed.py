@@ -4,13 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shapely.geometry import Polygon
 
 from tightspot.campaigns.speed import SpeedPlan, run_speed
 from tightspot.campaigns.speed.cases import by_the_paper, car, scenes_about, settings_for, slope, starts
+from tightspot.campaigns.speed.infeasible import impossible, infeasible, infeasible_summary
+from tightspot.campaigns.speed.plans import PARTS, compare_plan, plan_summary
 from tightspot.campaigns.speed.scaling import crowded, rounded
-from tightspot.campaigns.speed.solves import compare, residual, straight, summary
+from tightspot.campaigns.speed.solves import best_known, compare, residual, straight, summary
 from tightspot.errors import InputError
-from tightspot.geometry import ConvexPolygon
+from tightspot.geometry import ConvexPolygon, transform
 from tightspot.scenarios.library import builtin
 from tightspot.solvers import Stagewise
 from tightspot.transcription import TimeGrid, stage_problem, transcribe
@@ -87,6 +90,74 @@ def test_a_comparison_compares_the_same_program(solved):
     figures = summary([case, case])
     assert figures["ratio"]["median"] == pytest.approx(case["ipopt_seconds"] / case["seconds"])
     assert figures["success"] == 1.0
+
+
+def test_the_best_known_is_of_this_program_and_no_worse_than_both(solved):
+    start, _, report = solved
+    (known,) = best_known(start, [1.0])
+    assert known <= report.objective * (1 + 1e-6), "the first of the guesses is the start's own"
+    case = compare(start, 1.0, known=known)
+    assert case["best"] == min(known, case["objective"], case["ipopt_objective"])
+    far = summary([case | {"best": 0.9 * known}])
+    near = summary([case | {"best": known}])
+    assert (far["near_best"], near["near_best"]) == (0.0, float(case["objective"] <= 1.01 * known))
+
+
+def test_ratios_are_of_the_cases_that_both_solve(solved):
+    case = compare(solved[0], 1.0)
+    slow = case | {"ipopt_success": False, "ipopt_seconds": 1e6, "ipopt_objective": np.nan}
+    figures = summary([case, slow])
+    assert figures["ratio"]["largest"] == pytest.approx(case["ipopt_seconds"] / case["seconds"])
+    assert figures["ipopt_success"] == figures["ipopt_near_best"] == 0.5
+    assert summary([slow])["ratio"] is None
+
+
+def test_a_plan_s_parts_are_all_of_its_time(solved):
+    case = compare_plan(builtin("oblique"))
+    assert case["success"]
+    assert tuple(case["parts"]) == PARTS
+    assert sum(case["parts"].values()) == pytest.approx(case["seconds"], rel=1e-9)
+    assert min(case["parts"].values()) >= 0
+    figures = plan_summary([case, {"success": False, "seconds": 1.0, "reason": "none"}])
+    both = case["search_seconds"] + case["ipopt_seconds"]
+    assert figures["success"] == 0.5
+    assert figures["ratio"]["median"] == pytest.approx(both / case["seconds"])
+    assert figures["ratio_with_building"]["median"] == pytest.approx(
+        (both + case["ipopt_set_up_seconds"]) / case["seconds"]
+    )
+    assert plan_summary([case | {"ipopt_success": False}]) == {"starts": 1, "success": 1.0}
+
+
+def test_infeasible_programs_are_infeasible(solved):
+    start = solved[0]
+    body = transform(car().parts[0].polygon.vertices, np.array([start.scenario.start, start.scenario.goal])[:, :3])
+    given = dict(impossible(start))
+    for kind in ("block in the slot", "goal in too narrow a gap"):
+        added = given[kind].start.scenario.obstacles[len(start.scenario.obstacles) :]
+        assert added
+        assert all(Polygon(obstacle.exterior).intersection(Polygon(body[1])).area > 0.01 for obstacle in added)
+    boxed = given["walls around the start"]
+    walls = [Polygon(each.exterior) for each in boxed.start.scenario.obstacles[len(start.scenario.obstacles) :]]
+    ring = walls[0].union(walls[1]).union(walls[2]).union(walls[3])
+    assert len(ring.interiors) == 1, "closed"
+    assert Polygon(ring.interiors[0]).contains(Polygon(body[0]))
+    assert not ring.intersects(Polygon(body[1]))
+    longest = boxed.settings.final_time[1] / 20 * max(car().limits.speed)
+    assert longest < np.ptp(car().parts[0].polygon.vertices[:, 1]) + 1.0, "no interval is long enough to jump"
+    hurried = given["too little time"].settings.final_time[1]
+    assert hurried * max(car().limits.speed) < np.hypot(*(start.scenario.goal - start.scenario.start)[:2])
+
+
+@pytest.mark.slow
+def test_who_says_infeasible_and_when(solved):
+    cases = infeasible([solved[0]], lambda news: None)
+    assert [case["kind"] for case in cases] == list(dict(impossible(solved[0])))
+    figures = infeasible_summary(cases)
+    assert figures["all"]["cases"] == len(cases) == sum(figures["all"]["statuses"].values())
+    assert not {"SOLVED", "ACCEPTABLE"} & (set(figures["all"]["statuses"]) | set(figures["all"]["ipopt_statuses"]))
+    assert figures["all"]["ratio"]["median"] == pytest.approx(
+        np.median([case["ipopt_seconds"] / case["seconds"] for case in cases])
+    )
 
 
 def test_straight_guesses_are_straight(solved):

@@ -7,10 +7,10 @@ import pytest
 from tightspot.campaigns import speed
 from tightspot.campaigns.speed import SpeedPlan
 from tightspot.campaigns.speed.cases import SCENES
-from tightspot.campaigns.speed.report import ASKED
+from tightspot.campaigns.speed.headline import ASKED, ASKED_OF_SCENES
 
 TINY = SpeedPlan(
-    starts=1, straight=1, plans=1, batch=2, runs=1,
+    starts=1, straight=1, plans=1, infeasible=1, batch=2, runs=1,
     steps=(10, 20), obstacles=(2, 10), vertices=(4, 8), ipopt_steps=10, ipopt_obstacles=2,
 )  # fmt: skip
 
@@ -21,7 +21,8 @@ def test_everything_is_measured_and_told(cli, tmp_path, monkeypatch):
     result = cli("bench", "speed", "--quick", "--json", "--output", tmp_path / "out")
     assert (result.code, result.err) == (0, "")
     answer = result.json
-    assert {"solve_ratio", "plan_ratio", "success", "solves_per_second"} <= set(answer)
+    assert {"solve_ratio", "plan_ratio", "success", "solves_per_second", *ASKED, *ASKED_OF_SCENES} <= set(answer)
+    assert answer["plan_ratio_with_building"] > answer["plan_ratio"]
     assert answer["solve_ratio"] > 1
     assert answer["solves_per_second"] > 10
     assert 0 <= answer["success"] <= 1
@@ -40,8 +41,10 @@ def test_everything_is_measured_and_told(cli, tmp_path, monkeypatch):
         "Scaling",
         "Batch",
         "straight-line",
+        "Infeasible programs",
         "time-optimal",
         *(what for what, _ in ASKED.values()),
+        *(what.format("vertical") for what, _ in ASKED_OF_SCENES.values()),
     ):
         assert heading in text
 

@@ -75,9 +75,10 @@ def _made(output: Path) -> None:
 
 
 def _scalars(result: dict[str, Any]) -> dict[str, float | None]:
-    from tightspot.campaigns.speed.report import ASKED
+    from tightspot.campaigns.speed.headline import ASKED, ASKED_OF_SCENES
 
-    return {name: result[name] for name in ASKED}
+    several = {f"{name}, {scene}": value for name in ASKED_OF_SCENES for scene, value in result[name].items()}
+    return {name: result[name] for name in ASKED} | several
 
 
 def draw(result: dict[str, Any], directory: Path) -> dict[str, str]:
@@ -89,14 +90,34 @@ def draw(result: dict[str, Any], directory: Path) -> dict[str, str]:
     figures = {
         "speed-scaling.svg": ("Time against steps, obstacles and vertices.", figure_scaling(result["scaling"])),
         "speed-starts.svg": (
-            "How much faster each start is solved than by IPOPT (17).",
-            figure_distribution(result["cases"]["solves"]),
+            "How much faster each start is solved, and planned, than by the paper's method.",
+            figure_distribution(_ratios(result["cases"])),
         ),
         "speed-plans.svg": ("Where a plan's time goes.", figure_plan_times(result["plans"])),
     }
     for name, (_, figure) in figures.items():
         save(figure, directory / name)
     return {caption: name for name, (caption, _) in figures.items()}
+
+
+def _ratios(cases: dict[str, Any]) -> dict[str, dict[str, list[float]]]:
+    """What the distribution's panels draw: by title, then by scene."""
+    solves = {f"solve, {name}": scenes for name, scenes in cases["solves"].items()}
+    solves["solve, straight-line guesses"] = cases["straight_lines"]
+    panels = {
+        title: {
+            scene: [
+                theirs / ours
+                for ours, theirs, solved, too in zip(
+                    *(some[name] for name in ("seconds", "ipopt_seconds", "success", "ipopt_success")), strict=True
+                )
+                if solved and too
+            ]
+            for scene, some in scenes.items()
+        }
+        for title, scenes in solves.items()
+    }
+    return panels | {"whole plan": {scene: some["ratio"] for scene, some in cases["plans"].items()}}
 
 
 def _write(result: dict[str, Any], directory: Path, report: str, pictures: dict[str, str]) -> dict[str, str]:

@@ -8,10 +8,22 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from tightspot.plotting import style
 
 OURS, THEIRS, PLAN = style.FORWARD, style.REVERSE, style.GOOD
+SCENE_COLOURS = (style.FORWARD, style.REVERSE, style.REACHED, style.GOOD)
+SCENE_LINES = ("-", "--", ":", "-.")
+PARTS = {
+    "search": (style.FORWARD, ""),
+    "set_up": (style.SWEEP, "//"),
+    "solve": (style.REVERSE, ".."),
+    "judge": (style.FAINT, "xx"),
+    "other": (style.OBSTACLE, ""),
+}
+"""Of a plan's time, with colour and hatch."""
+
 LABELS = {"steps": "steps", "obstacles": "obstacles", "vertices": "vertices of an obstacle"}
 
 
@@ -41,38 +53,44 @@ def figure_scaling(scaling: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def figure_distribution(solves: Mapping[str, Mapping[str, Mapping[str, Sequence[float]]]]) -> Figure:
+def figure_distribution(panels: Mapping[str, Mapping[str, Sequence[float]]]) -> Figure:
     """Each start's ratio of times, by scene, as a cumulative share.
 
     Args:
-        solves: The benchmark's ``cases["solves"]``: by objective, then by scene.
+        panels: Title to scene to ratios.
     """
     with style.drawing():
-        figure = style.new_figure(4.2 * len(solves), 3.8)
-        panels = np.atleast_1d(figure.subplots(1, len(solves), sharey=True))
-        colours = (style.FORWARD, style.REVERSE, style.REACHED, style.GOOD)
-        lines = ("-", "--", ":", "-.")
-        for axes, (name, scenes) in zip(panels, solves.items(), strict=True):
-            for index, (scene, cases) in enumerate(scenes.items()):
-                ratios = np.sort(np.array(cases["ipopt_seconds"]) / np.array(cases["seconds"]))
-                share = np.arange(1, ratios.size + 1) / ratios.size
-                look: Any = {"color": colours[index % 4], "linestyle": lines[index % 4], "label": scene}
-                axes.step(ratios, share, where="post", **look)
+        figure = style.new_figure(8.4, 3.4 * -(-len(panels) // 2))
+        grid = figure.subplots(-(-len(panels) // 2), 2, sharex=True, sharey=True, squeeze=False)
+        for axes, (title, scenes) in zip(grid.flat, panels.items(), strict=False):
+            for index, (scene, ratios) in enumerate(scenes.items()):
+                values = np.sort(np.asarray(ratios, float))
+                share = np.arange(values.size + 1) / max(values.size, 1)
+                colour, line = SCENE_COLOURS[index % 4], SCENE_LINES[index % 4]
+                axes.step(
+                    [*values[:1], *values], share[: values.size + 1], where="post", c=colour, ls=line, label=scene
+                )
             axes.set_xscale("log")
+            axes.xaxis.set_major_locator(LogLocator(10.0, (1.0, 2.0, 5.0)))
             axes.xaxis.set_major_formatter(_plain)
-            axes.xaxis.set_minor_formatter(_plain)
-            axes.tick_params(axis="x", which="both", labelsize=7)
-            axes.set_xlabel("times as fast as IPOPT (17)")
-            axes.set_title(name, fontsize=10)
+            axes.xaxis.set_minor_locator(NullLocator())
+            axes.tick_params(axis="x", labelbottom=True)
+            axes.set_title(title, fontsize=10)
             style.quiet_axes(axes)
+            axes.grid(axis="x", color=style.FAINT, linewidth=0.6)
             axes.legend(fontsize=8)
-        panels[0].set_ylabel("share of starts")
+        for axes in grid.flat[len(panels) :]:
+            axes.remove()
+        for axes in grid[-1]:
+            axes.set_xlabel("times as fast")
+        for axes in grid[:, 0]:
+            axes.set_ylabel("share of starts")
         figure.tight_layout()
     return figure
 
 
 def figure_plan_times(plans: Mapping[str, Any]) -> Figure:
-    """Where a plan's time goes, by scene: median milliseconds of search, set-up, solve and judge.
+    """Where a plan's time goes, by scene: median milliseconds of search, set-up, solve, judge and the rest.
 
     Args:
         plans: The benchmark's ``plans``.
@@ -82,9 +100,7 @@ def figure_plan_times(plans: Mapping[str, Any]) -> Figure:
         axes = figure.subplots()
         scenes = [scene for scene, figures in plans.items() if "parts_milliseconds" in figures]
         left = np.zeros(len(scenes))
-        hatches = {"search": "", "set_up": "//", "solve": "..", "judge": "xx"}
-        colours = (style.FORWARD, style.SWEEP, style.REVERSE, style.FAINT)
-        for colour, (part, hatch) in zip(colours, hatches.items(), strict=True):
+        for part, (colour, hatch) in PARTS.items():
             width = np.array([plans[scene]["parts_milliseconds"][part] for scene in scenes])
             label = part.replace("_", "-")
             axes.barh(scenes, width, left=left, color=colour, hatch=hatch, edgecolor="white", label=label)
@@ -92,8 +108,9 @@ def figure_plan_times(plans: Mapping[str, Any]) -> Figure:
         axes.invert_yaxis()
         axes.set_xlabel("ms, median")
         style.quiet_axes(axes)
-        axes.legend(fontsize=8)
-        figure.tight_layout()
+        axes.grid(visible=False, axis="y")
+        figure.legend(loc="upper center", ncols=len(PARTS), fontsize=8)
+        figure.tight_layout(rect=(0, 0, 1, 0.93))
     return figure
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tightspot.campaigns.speed.cases import MARGIN, by_the_paper, car, quantiles, scenes_about
 from tightspot.errors import PlanningError
@@ -17,7 +18,10 @@ from tightspot.scenarios import Scenario
 from tightspot.transcription import Settings, TimeGrid, transcribe
 from tightspot.verification import Plan
 
-PARTS = ("search", "set_up", "solve", "judge")
+CLOCKS = ("search", "set_up", "solve", "judge")
+PARTS = (*CLOCKS, "other")
+"""Of a plan's time; together all of it."""
+
 SUBSTEPS = 2
 """As many as the planner takes."""
 
@@ -43,14 +47,15 @@ def compare_plan(scenario: Scenario) -> dict[str, Any]:
 
 
 def _parts(found: Plan, seconds: float) -> dict[str, Any]:
-    """The plan's time, split as its own clock says."""
+    """The plan's time, split as its own clock says; ``other`` is what that clock has under no name."""
     report = found.report
     clock = {"search": float(report["guess"]["seconds"])}
-    for part in PARTS[1:]:
+    for part in CLOCKS[1:]:
         clock[part] = sum(float(outcome["timings"].get(part, 0.0)) for outcome in report["rounds"])
-    share = seconds / max(float(report["seconds"]), 1e-9)
+    whole = max(float(report["seconds"]), sum(clock.values()), 1e-9)
+    clock["other"] = whole - sum(clock.values())
     return {
-        "parts": {part: share * clock[part] for part in PARTS},
+        "parts": {part: seconds / whole * clock[part] for part in PARTS},
         "rounds": len(report["rounds"]),
         "steps": len(found.trajectory.inputs),
         "solver": report["rounds"][-1]["solve"]["solver"],
@@ -84,25 +89,36 @@ def _by_the_paper(scenario: Scenario, found: Plan) -> dict[str, Any]:
 
 
 def plan_summary(cases: list[dict[str, Any]]) -> dict[str, Any]:
-    """Medians and ratios over the cases with a plan."""
+    """Medians over the cases with a plan, and ratios over those of them that IPOPT solves, too."""
     good = [case for case in cases if case["success"]]
-    if not good:
-        return {"starts": len(cases), "success": 0.0}
-    column = {key: np.array([case[key] for case in good]) for key in ("seconds", "search_seconds", "ipopt_seconds")}
-    build = np.array([case["ipopt_set_up_seconds"] for case in good])
-    reference = column["search_seconds"] + column["ipopt_seconds"]
+    both = [case for case in good if case["ipopt_success"]]
+    counts = {"starts": len(cases), "success": len(good) / len(cases)}
+    if not both:
+        return counts
     return {
-        "starts": len(cases),
-        "success": len(good) / len(cases),
-        "ipopt_success": float(np.mean([case["ipopt_success"] for case in good])),
-        "ratio": quantiles(reference / column["seconds"]),
-        "ratio_with_building": quantiles((reference + build) / column["seconds"]),
-        "search_ratio": quantiles(column["ipopt_seconds"] / column["search_seconds"]),
-        "milliseconds": quantiles(1e3 * column["seconds"]),
+        **counts,
+        "ipopt_success": len(both) / len(good),
+        **{name: quantiles(values) for name, values in ratios(both).items()},
+        "milliseconds": quantiles([1e3 * case["seconds"] for case in good]),
         "parts_milliseconds": {part: float(1e3 * np.median([case["parts"][part] for case in good])) for part in PARTS},
-        "search_milliseconds": quantiles(1e3 * column["search_seconds"]),
-        "ipopt_milliseconds": quantiles(1e3 * column["ipopt_seconds"]),
-        "ipopt_set_up_milliseconds": float(1e3 * np.median(build)),
+        "search_milliseconds": quantiles([1e3 * case["search_seconds"] for case in good]),
+        "ipopt_milliseconds": quantiles([1e3 * case["ipopt_seconds"] for case in both]),
+        "ipopt_set_up_milliseconds": float(1e3 * np.median([case["ipopt_set_up_seconds"] for case in both])),
         "steps": float(np.median([case["steps"] for case in good])),
         "rounds": float(np.median([case["rounds"] for case in good])),
+    }
+
+
+def ratios(cases: Sequence[dict[str, Any]]) -> dict[str, NDArray[np.float64]]:
+    """Of each case that both sides solve.
+
+    ``ratio``: hybrid A* and the paper's solve, its program being there, over the plan; ``ratio_with_building``: with
+    the time to build that program; ``search_ratio``: the paper's solve over hybrid A*.
+    """
+    names = ("seconds", "search_seconds", "ipopt_seconds", "ipopt_set_up_seconds")
+    plan_, search, ipopt, build = (np.array([case[name] for case in cases]) for name in names)
+    return {
+        "ratio": (search + ipopt) / plan_,
+        "ratio_with_building": (search + ipopt + build) / plan_,
+        "search_ratio": ipopt / search,
     }

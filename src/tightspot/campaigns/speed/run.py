@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
+from itertools import zip_longest
 from typing import Any
-
-import numpy as np
 
 from tightspot.campaigns.report import Machine
 from tightspot.campaigns.speed.cases import ENERGY_AND_TIME, MARGIN, SCENES, TIME_OPTIMAL, Start, scenes_about, starts
-from tightspot.campaigns.speed.plans import compare_plans, plan_summary
+from tightspot.campaigns.speed.headline import headline
+from tightspot.campaigns.speed.infeasible import infeasible, infeasible_summary
+from tightspot.campaigns.speed.plans import compare_plans, plan_summary, ratios
 from tightspot.campaigns.speed.scaling import over_obstacles, over_steps, over_vertices
-from tightspot.campaigns.speed.solves import Case, compare_all, straight, summary
+from tightspot.campaigns.speed.solves import Case, best_known, compare_all, straight, summary
 from tightspot.campaigns.speed.throughput import batch, best_of_many, warm, warm_plans
 from tightspot.errors import InputError, Problem
 from tightspot.solvers import Stagewise
 
 WEIGHTS = {"energy and time": ENERGY_AND_TIME, "time-optimal": TIME_OPTIMAL}
 FORMAT = "tightspot-speed/1"
+COUNTS = ("starts", "straight", "plans", "infeasible", "batch", "runs")
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,7 @@ class SpeedPlan:
         starts: Starts a scene, for solves.
         straight: Of these, from straight-line guesses, too.
         plans: Starts a scene, for whole plans.
+        infeasible: Starts of all scenes together whose programs are made infeasible.
         batch: Problems in the batch.
         runs: Seeds a scene for the best of many.
         steps: Numbers of intervals of the scaling table.
@@ -41,8 +45,9 @@ class SpeedPlan:
     """
 
     starts: int = 100
-    straight: int = 34
+    straight: int = 100
     plans: int = 100
+    infeasible: int = 30
     batch: int = 100
     runs: int = 100
     steps: tuple[int, ...] = (20, 40, 80, 160, 320, 640)
@@ -53,7 +58,7 @@ class SpeedPlan:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        counts = {name: getattr(self, name) for name in ("starts", "straight", "plans", "batch", "runs")}
+        counts = {name: getattr(self, name) for name in COUNTS}
         problems = [Problem(name, f"{count} must be at least 1") for name, count in counts.items() if count < 1]
         if self.seed < 0:
             problems.append(Problem("seed", f"{self.seed} must not be negative"))
@@ -63,7 +68,7 @@ class SpeedPlan:
 
 FULL = SpeedPlan()
 QUICK = SpeedPlan(
-    starts=3, straight=1, plans=2, batch=10, runs=2,
+    starts=3, straight=1, plans=2, infeasible=1, batch=10, runs=2,
     steps=(20, 80, 320), obstacles=(2, 10, 100, 1000), vertices=(4, 16, 64), ipopt_steps=20, ipopt_obstacles=2,
 )  # fmt: skip
 
@@ -83,20 +88,28 @@ def run_speed(plan: SpeedPlan = FULL, *, progress: Callable[[str], None] | None 
     began = time.perf_counter()
     tell = progress or (lambda news: None)
     given = {scene: _told(starts(scene, plan.starts, plan.seed), scene, tell) for scene in SCENES}
+    known = {scene: _known(given[scene], scene, tell) for scene in SCENES}
     solves = {
-        name: {scene: compare_all(given[scene], weight, tell) for scene in SCENES} for name, weight in WEIGHTS.items()
+        name: {
+            scene: compare_all(given[scene], weight, [best[index] for best in known[scene]], tell) for scene in SCENES
+        }
+        for index, (name, weight) in enumerate(WEIGHTS.items())
     }
-    lines = {
-        scene: compare_all([straight(start) for start in given[scene][: plan.straight]], ENERGY_AND_TIME, tell)
-        for scene in SCENES
-    }
+    lines = {}
+    for scene in SCENES:
+        bests = [case["best"] for case in solves["energy and time"][scene][: plan.straight]]
+        guesses = [straight(start) for start in given[scene][: plan.straight]]
+        lines[scene] = compare_all(guesses, ENERGY_AND_TIME, bests, tell)
     plans = {scene: compare_plans(scene, plan.plans, plan.seed, tell) for scene in SCENES}
+    mixed = [start for same in zip_longest(*given.values()) for start in same if start is not None]
+    impossible = infeasible(mixed[: plan.infeasible], tell)
     vertical = (given["vertical"] * -(-plan.batch // len(given["vertical"])))[: plan.batch]
     result: dict[str, Any] = {
         "solves": {name: with_all(cases) for name, cases in solves.items()},
         "straight_lines": with_all(lines),
         "plans": {scene: plan_summary(cases) for scene, cases in plans.items()}
         | {"all": plan_summary([case for cases in plans.values() for case in cases])},
+        "infeasible": infeasible_summary(impossible),
         "warm_plans": {
             scene: warm_plans(list(scenes_about(scene, plan.plans, plan.seed, MARGIN)), plan.seed, tell)
             for scene in SCENES
@@ -111,7 +124,9 @@ def run_speed(plan: SpeedPlan = FULL, *, progress: Callable[[str], None] | None 
         },
         "cases": {
             "solves": {name: _distributions(cases) for name, cases in solves.items()},
-            "plans": {scene: [case["seconds"] for case in cases] for scene, cases in plans.items()},
+            "straight_lines": _distributions(lines),
+            "plans": {scene: _plan_distributions(cases) for scene, cases in plans.items()},
+            "infeasible": impossible,
         },
     }
     machine = Machine.here()
@@ -122,7 +137,25 @@ def run_speed(plan: SpeedPlan = FULL, *, progress: Callable[[str], None] | None 
         "solver": Stagewise.name,
         "seconds": time.perf_counter() - began,
     }
-    return {**headline(result), **conditions, **result}
+    return {name: _plain(value) for name, value in {**headline(result), **conditions, **result}.items()}
+
+
+def _plain(value: Any) -> Any:
+    """The same with ``None`` for numbers that are not finite (a failed solve's J), which JSON does not have."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _known(starts: Sequence[Start], scene: str, tell: Callable[[str], None]) -> list[tuple[float, ...]]:
+    """The best J known of each start, for each of :data:`WEIGHTS`."""
+    found = []
+    for number, start in enumerate(starts):
+        tell(f"best J of {scene}, start {number + 1} of {len(starts)}")
+        found.append(best_known(start, tuple(WEIGHTS.values())))
+    return found
 
 
 def _told(found: Iterable[Start], scene: str, tell: Callable[[str], None]) -> list[Start]:
@@ -135,41 +168,6 @@ def _told(found: Iterable[Start], scene: str, tell: Callable[[str], None]) -> li
     return given
 
 
-def headline(result: dict[str, Any]) -> dict[str, Any]:
-    """The figures that one looks at first."""
-    main, fast = (result["solves"][name]["all"] for name in WEIGHTS)
-    lines, plans, scaling = result["straight_lines"]["all"], result["plans"]["all"], result["scaling"]
-    warm_ratios, resolved = (
-        [found["ratio"]["median"] for found in result[name].values() if "ratio" in found]
-        for name in ("warm_plans", "warm")
-    )
-    return {
-        "solve_ratio": _median(main),
-        "solve_ratio_time_optimal": _median(fast),
-        "plan_ratio": plans["ratio"]["median"] if "ratio" in plans else None,
-        "search_ratio": plans["search_ratio"]["median"] if "ratio" in plans else None,
-        "success": main["success"],
-        "success_time_optimal": fast["success"],
-        "success_ipopt": main["ipopt_success"],
-        "success_plans": plans["success"],
-        "straight_line_ratio": _median(lines),
-        "straight_line_success": lines["success"],
-        "solves_per_second": result["batch"]["solves_per_second"],
-        "warm_ratio": float(np.median(warm_ratios)) if warm_ratios else None,
-        "warm_solve_ratio": float(np.median(resolved)) if resolved else None,
-        "best_of_many_found": {scene: row["found"] / row["runs"] for scene, row in result["best_of_many"].items()},
-        "slope_steps": scaling["steps"]["slopes"]["seconds_per_iteration"],
-        "slope_steps_solve": scaling["steps"]["slopes"]["seconds"],
-        "slope_obstacles": scaling["obstacles"]["slopes"]["seconds_per_iteration"],
-        "plan_growth_obstacles": scaling["obstacles"]["plan_growth"]["times"],
-    }
-
-
-def _median(figures: dict[str, Any]) -> float | None:
-    """Of the ratios; ``None`` if no case was solved."""
-    return float(figures["ratio"]["median"]) if figures["ratio"] else None
-
-
 def with_all(cases: dict[str, list[Case]]) -> dict[str, Any]:
     """The summary of each scene and of all together."""
     everything = [case for some in cases.values() for case in some]
@@ -178,5 +176,13 @@ def with_all(cases: dict[str, list[Case]]) -> dict[str, Any]:
 
 def _distributions(cases: dict[str, list[Case]]) -> dict[str, Any]:
     """Of each scene what the figures draw."""
-    names = ("seconds", "ipopt_seconds", "objective", "ipopt_objective", "success", "ipopt_success")
+    names = ("seconds", "ipopt_seconds", "objective", "ipopt_objective", "best", "success", "ipopt_success")
     return {scene: {name: [case[name] for case in some] for name in names} for scene, some in cases.items()}
+
+
+def _plan_distributions(cases: Sequence[dict[str, Any]]) -> dict[str, list[float]]:
+    """Seconds of each plan or failure, and the ratios of those cases that both sides solve."""
+    both = [case for case in cases if case["success"] and case["ipopt_success"]]
+    return {"seconds": [case["seconds"] for case in cases]} | {
+        name: values.tolist() for name, values in ratios(both).items()
+    }
