@@ -6,11 +6,16 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -184,14 +189,152 @@ Table start_lines(const Array& states, const Integers& pieces, bool at_knots, co
     return tightspot::table(std::move(result), 4);
 }
 
+// What a solve came to; of rows in the problem's order.
+struct Answer {
+    Outcome outcome;
+    Vector v, s, z, zb, lam, nu, rows, defects, bounds, demands;
+    std::vector<Record> log;
+    std::string flaw;  // why nothing could be solved
+};
+
+template <class Model>
+Answer answer_of(const InteriorPoint<Model>& core, const Outcome& outcome) {
+    const Point& point = core.point;
+    return {outcome,
+            point.v,
+            core.in_order(point.s),
+            core.in_order(point.z),
+            point.zb,
+            point.lam,
+            point.nu,
+            core.in_order(core.values().rows),
+            core.values().defects,
+            core.bound_multipliers(),
+            core.demands(),
+            core.log,
+            ""};
+}
+
+Table logged(const std::vector<Record>& log) {
+    Vector rows;
+    rows.reserve(10 * log.size());
+    for (const Record& r : log)
+        for (double value : {double(r.iteration), r.objective, r.violation, r.stationarity, r.complementarity,
+                             r.barrier, r.regularisation, r.primal_step, r.dual_step, double(r.trials)})
+            rows.push_back(value);
+    return tightspot::table(std::move(rows), 10);
+}
+
+nb::dict told(Answer&& answer) {
+    nb::dict told;
+    if (!answer.flaw.empty()) {
+        told["flaw"] = answer.flaw;
+        return told;
+    }
+    const Outcome& outcome = answer.outcome;
+    told["status"] = name(outcome.status);
+    told["iterations"] = outcome.iterations, told["factorisations"] = outcome.factorisations;
+    told["objective"] = outcome.objective, told["violation"] = outcome.violation, told["audited"] = outcome.audited;
+    told["stationarity"] = outcome.stationarity, told["complementarity"] = outcome.complementarity;
+    told["seconds"] = outcome.seconds, told["residual"] = outcome.residual;
+    told["v"] = flat(std::move(answer.v)), told["s"] = flat(std::move(answer.s)), told["z"] = flat(std::move(answer.z));
+    told["zb"] = flat(std::move(answer.zb)), told["lam"] = flat(std::move(answer.lam));
+    told["nu"] = flat(std::move(answer.nu)), told["rows"] = flat(std::move(answer.rows));
+    told["defects"] = flat(std::move(answer.defects)), told["bounds"] = flat(std::move(answer.bounds));
+    told["demands"] = flat(std::move(answer.demands)), told["log"] = logged(answer.log);
+    return told;
+}
+
+// The problem, if it can be used; else throws std::invalid_argument.
+template <class Model>
+std::unique_ptr<InteriorPoint<Model>> core_of(Problem problem) {
+    const std::string wrong = flaw(problem, Model::states, Model::inputs, Model::parameters);
+    if (!wrong.empty()) throw std::invalid_argument("stage problem: " + wrong + " cannot be used");
+    return std::make_unique<InteriorPoint<Model>>(std::move(problem));
+}
+
+// One of many: a problem and its start, or why there is none.
+struct Job {
+    Problem problem;
+    Vector start;
+    std::string flaw;
+};
+
+Job job_of(nb::handle problem, nb::handle start) {
+    Job job;
+    try {
+        const Array v = nb::cast<Array>(start);
+        job.problem = to_problem(problem), job.start.assign(v.data(), v.data() + v.size());
+    } catch (const std::exception& error) {
+        job.flaw = error.what();
+    }
+    return job;
+}
+
+template <class Model>
+Answer answer_to(Job& job, const Options& options) {
+    Answer answer;
+    answer.flaw = job.flaw;
+    if (!job.flaw.empty()) return answer;
+    try {
+        const auto core = core_of<Model>(std::move(job.problem));
+        if (core->point.v.size() != job.start.size()) throw std::invalid_argument("the start does not fit the problem");
+        core->point.v = std::move(job.start);
+        return answer_of(*core, core->solve(options));
+    } catch (const std::exception& error) {
+        answer.flaw = error.what();
+    }
+    return answer;
+}
+
+// Calls work(i) for all i < count, on several threads; on fewer if the system gives no more.
+template <class Work>
+void spread(std::size_t count, int threads, const Work& work) {
+    std::atomic<std::size_t> next{0};
+    const auto all = [&] {
+        for (std::size_t i = next++; i < count; i = next++) work(i);
+    };
+    std::vector<std::thread> others;
+    try {
+        while (static_cast<int>(others.size()) + 1 < threads) others.emplace_back(all);
+    } catch (const std::system_error&) {
+    }
+    all();
+    for (std::thread& other : others) other.join();
+}
+
+// Each problem is solved by itself from its start; none begins after `seconds`.
+template <class Model>
+nb::list solve_many(nb::list problems, nb::list starts, const Options& options, int threads, double seconds) {
+    using Clock = std::chrono::steady_clock;
+    const auto began = Clock::now();
+    std::vector<Job> jobs;
+    jobs.reserve(problems.size());
+    for (std::size_t i = 0; i < problems.size(); ++i) jobs.push_back(job_of(problems[i], starts[i]));
+    std::vector<Answer> answers(jobs.size());
+    {
+        nb::gil_scoped_release release;
+        spread(jobs.size(), threads, [&](std::size_t i) {
+            Options own = options;
+            const double left = seconds - std::chrono::duration<double>(Clock::now() - began).count();
+            own.time_limit = std::min(own.time_limit, std::max(left, 0.0));
+            answers[i] = answer_to<Model>(jobs[i], own);
+        });
+    }
+    nb::list told_all;
+    for (Answer& answer : answers) told_all.append(told(std::move(answer)));
+    return told_all;
+}
+
 template <class Model>
 class Solver {
    public:
     explicit Solver(nb::handle from) {
-        Problem problem = to_problem(from);
-        const std::string wrong = flaw(problem, Model::states, Model::inputs, Model::parameters);
-        if (!wrong.empty()) throw nb::value_error(("stage problem: " + wrong + " cannot be used").c_str());
-        core_ = std::make_unique<InteriorPoint<Model>>(std::move(problem));
+        try {
+            core_ = core_of<Model>(to_problem(from));
+        } catch (const std::invalid_argument& error) {
+            throw nb::value_error(error.what());
+        }
     }
 
     nb::dict sizes() const {
@@ -231,7 +374,7 @@ class Solver {
             outcome = core_->solve(options, watch);
         }
         if (raised) throw *raised;
-        return report(outcome);
+        return told(answer_of(*core_, outcome));
     }
 
     nb::dict derivatives(const Array& v, const Array& lam, const Array& z) {
@@ -247,37 +390,12 @@ class Solver {
     }
 
    private:
-    nb::dict report(const Outcome& outcome) const {
-        nb::dict answer;
-        const Point& point = core_->point;
-        answer["status"] = name(outcome.status);
-        answer["iterations"] = outcome.iterations, answer["factorisations"] = outcome.factorisations;
-        answer["objective"] = outcome.objective, answer["violation"] = outcome.violation;
-        answer["stationarity"] = outcome.stationarity, answer["complementarity"] = outcome.complementarity;
-        answer["seconds"] = outcome.seconds, answer["residual"] = outcome.residual;
-        answer["v"] = flat(point.v), answer["s"] = of_rows(point.s), answer["z"] = of_rows(point.z);
-        answer["zb"] = flat(point.zb), answer["lam"] = flat(point.lam), answer["nu"] = flat(point.nu);
-        answer["rows"] = of_rows(core_->values().rows), answer["defects"] = flat(core_->values().defects);
-        answer["bounds"] = flat(core_->bound_multipliers()), answer["demands"] = flat(core_->demands());
-        answer["log"] = logged();
-        return answer;
-    }
-
     nb::object of_rows(const Vector& values) const { return flat(core_->in_order(values)); }
 
     void fill_rows(Vector& into, const Array& from, const char* what) {
         Vector ordered(into.size());
         fill(ordered, from, what);
         core_->put_in_place(ordered, into);
-    }
-
-    Table logged() const {
-        Vector rows;
-        for (const Record& r : core_->log)
-            for (double value : {double(r.iteration), r.objective, r.violation, r.stationarity, r.complementarity,
-                                 r.barrier, r.regularisation, r.primal_step, r.dual_step, double(r.trials)})
-                rows.push_back(value);
-        return tightspot::table(std::move(rows), 10);
     }
 
     std::unique_ptr<InteriorPoint<Model>> core_;
@@ -291,6 +409,7 @@ void bind_model(nb::module_& m, const char* name) {
         .def("set", &Solver<Model>::set, "v"_a)
         .def("set_multipliers", &Solver<Model>::set_multipliers, "s"_a, "z"_a, "zb"_a, "lam"_a, "nu"_a)
         .def("solve", &Solver<Model>::solve, "options"_a, "callback"_a = nb::none())
+        .def_static("solve_many", &solve_many<Model>, "problems"_a, "starts"_a, "options"_a, "threads"_a, "seconds"_a)
         .def("derivatives", &Solver<Model>::derivatives, "v"_a, "lam"_a, "z"_a);
 }
 

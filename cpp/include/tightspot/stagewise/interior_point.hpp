@@ -85,19 +85,20 @@ class InteriorPoint : public Newton<Model> {
                 }
             }
             log.push_back(record);
+            outcome.audited = Audit<Model>(problem_, layout_, point.v, samples_).violation();
             const bool claims = status == Status::solved || status == Status::acceptable;
-            if (claims && !confirmed(status)) status = Status::numerical;
+            if (claims && !confirmed(status, outcome.audited)) status = Status::numerical;
             return finish(outcome, status, seconds());
         }
     }
 
    private:
     // Nothing is called solved that the problem's definition does not confirm.
-    bool confirmed(Status status) {
+    bool confirmed(Status status, double audited) const {
         const double tolerance = status == Status::solved ? options_.tolerance : options_.acceptable_tolerance;
         for (double z : point.z)
             if (!(z >= 0)) return false;
-        return Audit<Model>(problem_, layout_, point.v, samples_).violation() <= 10 * tolerance;
+        return audited <= 10 * tolerance;
     }
 
     Outcome finish(Outcome& outcome, Status status, double seconds) {

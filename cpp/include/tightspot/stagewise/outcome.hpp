@@ -1,6 +1,7 @@
 // What the solver may be told, and what it says.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct Outcome {
     int iterations = 0, factorisations = 0;
     double objective = 0, violation = 0, stationarity = 0, complementarity = 0, seconds = 0;
     double residual = 0;  // stationarity, not scaled
+    double audited = HUGE_VAL;  // violation by the problem's definition: see Audit
 };
 
 }  // namespace tightspot::stagewise
