@@ -195,6 +195,7 @@ struct Answer {
     Vector v, s, z, zb, lam, nu, rows, defects, bounds, demands;
     std::vector<Record> log;
     std::string flaw;  // why nothing could be solved
+    double build = 0;  // s
 };
 
 template <class Model>
@@ -212,7 +213,8 @@ Answer answer_of(const InteriorPoint<Model>& core, const Outcome& outcome) {
             core.bound_multipliers(),
             core.demands(),
             core.log,
-            ""};
+            "",
+            0};
 }
 
 Table logged(const std::vector<Record>& log) {
@@ -236,7 +238,7 @@ nb::dict told(Answer&& answer) {
     told["iterations"] = outcome.iterations, told["factorisations"] = outcome.factorisations;
     told["objective"] = outcome.objective, told["violation"] = outcome.violation, told["audited"] = outcome.audited;
     told["stationarity"] = outcome.stationarity, told["complementarity"] = outcome.complementarity;
-    told["seconds"] = outcome.seconds, told["residual"] = outcome.residual;
+    told["seconds"] = outcome.seconds, told["build"] = answer.build, told["residual"] = outcome.residual;
     told["v"] = flat(std::move(answer.v)), told["s"] = flat(std::move(answer.s)), told["z"] = flat(std::move(answer.z));
     told["zb"] = flat(std::move(answer.zb)), told["lam"] = flat(std::move(answer.lam));
     told["nu"] = flat(std::move(answer.nu)), told["rows"] = flat(std::move(answer.rows));
@@ -263,8 +265,10 @@ struct Job {
 Job job_of(nb::handle problem, nb::handle start) {
     Job job;
     try {
-        const Array v = nb::cast<Array>(start);
-        job.problem = to_problem(problem), job.start.assign(v.data(), v.data() + v.size());
+        job.problem = to_problem(problem);
+        Array v;
+        if (!nb::try_cast<Array>(start, v)) throw std::invalid_argument("the start's arrays do not fit each other");
+        job.start.assign(v.data(), v.data() + v.size());
     } catch (const std::exception& error) {
         job.flaw = error.what();
     }
@@ -273,6 +277,8 @@ Job job_of(nb::handle problem, nb::handle start) {
 
 template <class Model>
 Answer answer_to(Job& job, const Options& options) {
+    using Clock = std::chrono::steady_clock;
+    const auto began = Clock::now();
     Answer answer;
     answer.flaw = job.flaw;
     if (!job.flaw.empty()) return answer;
@@ -280,7 +286,9 @@ Answer answer_to(Job& job, const Options& options) {
         const auto core = core_of<Model>(std::move(job.problem));
         if (core->point.v.size() != job.start.size()) throw std::invalid_argument("the start does not fit the problem");
         core->point.v = std::move(job.start);
-        return answer_of(*core, core->solve(options));
+        const double build = std::chrono::duration<double>(Clock::now() - began).count();
+        answer = answer_of(*core, core->solve(options));
+        answer.build = build;
     } catch (const std::exception& error) {
         answer.flaw = error.what();
     }

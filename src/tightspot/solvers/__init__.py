@@ -1,6 +1,7 @@
 """Solvers of nonlinear programs. They know nothing of cars."""
 
 from tightspot.solvers.base import Iteration, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.batch import solve_many
 from tightspot.solvers.fatrop import Fatrop
 from tightspot.solvers.ipopt import Ipopt
 from tightspot.solvers.nlp import Nlp, RowBlock, Stage
@@ -33,4 +34,5 @@ __all__ = [
     "StageReport",
     "Stagewise",
     "WarmStart",
+    "solve_many",
 ]

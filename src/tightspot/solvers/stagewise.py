@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ _STATUS = {
     "diverged": SolveStatus.DIVERGED,
     "numerical": SolveStatus.NUMERICAL,
 }
+_MODELS = {"single_track": "StagewiseSingleTrack"}
 LOG_COLUMNS = (
     "iteration", "objective", "violation", "stationarity", "complementarity", "barrier", "regularisation",
     "primal_step", "dual_step", "trials",
@@ -49,8 +50,15 @@ _TRY_AGAIN = (
     SolveStatus.DIVERGED,
     SolveStatus.ITERATION_LIMIT,
 )
-WARM_PUSH = 1e-3
+WARM_PUSH = 1e-5
 """How far a warm start is moved away from bounds that it is at."""
+WARM_BARRIER = 1e-7
+"""mu_0 of a warm start: multipliers and slacks of an earlier solution fit one another as they are."""
+WARM_ITERATIONS = 50
+"""A warm start that takes longer was a bad one."""
+AT_ONCE = 64
+"""Problems that each thread of a batch is given at a time; between them, Python is told of Ctrl-C."""
+_LAZY = ("x", "g", "lam_x", "lam_g", "worst")
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +87,8 @@ class Attempt:
     """One of the starts that a solve was made from.
 
     Attributes:
-        start: ``"given"``, or how it was made (see :mod:`tightspot.solvers.rough_starts`).
+        start: ``"warm"``: the earlier solution; ``"given"``: the problem's own; or how it was made (see
+            :mod:`tightspot.solvers.rough_starts`).
         status: How the solve from there ended, or the drive without obstacles that it should have followed.
         iterations: Of both.
     """
@@ -93,6 +102,8 @@ class Attempt:
 class StageReport(SolveReport):
     """A :class:`SolveReport` whose vectors are in the order of the Nlp that says the same, and the stagewise ones.
 
+    The solver's reports compute ``x``, ``g``, ``lam_x``, ``lam_g`` and ``worst`` when they are first asked for.
+
     Attributes:
         problem: What was solved.
         point: The last iterate, to start another solve from.
@@ -104,6 +115,7 @@ class StageReport(SolveReport):
         log: One line an iteration of the solve that is reported, columns :data:`LOG_COLUMNS`.
         attempts: The starts that were tried; the report is that of the last one if it succeeded, else of the first.
             ``iterations`` and ``timings`` are those of all together.
+        core: What the compiled solver returned.
     """
 
     problem: StageProblem | None = None
@@ -115,6 +127,28 @@ class StageReport(SolveReport):
     lines: Array | None = None
     log: Array | None = None
     attempts: tuple[Attempt, ...] = ()
+    core: CorePoint | None = field(default=None, repr=False)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            core, problem = (self.__dict__.get(key) for key in ("core", "problem"))
+            if name not in _LAZY or core is None or problem is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            with np.errstate(invalid="ignore", over="ignore"):
+                if name == "worst":
+                    found = {"worst": _worst(problem, core, self.states, self.inputs, self.final_time)}
+                else:
+                    found = order_of(problem).point(core)._asdict()
+            self.__dict__.update(found)
+            return found[name]
+
+    @classmethod
+    def _of(cls, **attributes: Any) -> StageReport:
+        """A report that computes what is left out when it is asked for."""
+        report = object.__new__(cls)
+        report.__dict__.update(attributes)
+        return report
 
     def to_dict(self) -> dict[str, Any]:
         """As :meth:`SolveReport.to_dict`, with the starts that were tried."""
@@ -133,7 +167,8 @@ class Stagewise(Solver):
         tolerance: Of violation, and of stationarity and complementarity scaled as IPOPT does.
         max_iterations: Limit.
         time_limit: Wall-clock limit of one solve, s.
-        initial_barrier: mu_0; ``None``: chosen from the objective at the start.
+        initial_barrier: mu_0; ``None``: chosen from the objective at the start, or :data:`WARM_BARRIER` where a solve
+            begins with an earlier solution.
         robust: When the solve from the given start comes to nothing, try the ways of
             :mod:`tightspot.solvers.rough_starts`. All together keep to the limits on iterations and time.
     """
@@ -180,15 +215,40 @@ class Stagewise(Solver):
             callback: Called after each iteration; return ``False`` to stop.
 
         Returns:
-            A report whatever happens: a failed solve is a status, not an exception.
+            A report whatever happens: a failed solve is a status, not an exception. Where the warm start comes to
+            nothing, ``robust`` goes on from the problem's own start.
 
         Raises:
             InputError: An array does not fit the others.
         """
-        first = replace(self, max_iterations=2 * self.max_iterations // 5) if self.robust else self
-        report = first._once(problem, warm, callback)
-        tried = (Attempt("given", report.status, report.iterations),)
-        report = replace(report, attempts=tried)
+        if warm is not None:
+            return self._warm(problem, warm, callback)
+        report = self._first()._once(problem, None, callback)
+        return self._gone_on(problem, report, callback)
+
+    def _first(self) -> Stagewise:
+        """For the first start: other ones are to have their turn, too."""
+        return replace(self, max_iterations=2 * self.max_iterations // 5) if self.robust else self
+
+    def _warm(self, problem: StageProblem, warm: StagePoint, callback: IterationCallback | None) -> StageReport:
+        most = min(self.max_iterations, WARM_ITERATIONS) if self.robust else self.max_iterations
+        report = replace(self, max_iterations=most)._once(problem, warm, callback)
+        if not self.robust or report.status not in _TRY_AGAIN:
+            return report
+        left = self.max_iterations - report.iterations
+        seconds = max(self.time_limit - report.timings["solve"], 1e-3)
+        cold = replace(self, max_iterations=left, time_limit=seconds).solve_stages(problem, callback=callback)
+        note = "Not solved from the earlier solution, but from the given start."
+        return replace(
+            cold,
+            iterations=report.iterations + cold.iterations,
+            attempts=report.attempts + cold.attempts,
+            timings={name: report.timings[name] + cold.timings[name] for name in ("build", "solve")},
+            note=cold.note or (note if cold.status.success else ""),
+        )
+
+    def _gone_on(self, problem: StageProblem, report: StageReport, callback: IterationCallback | None) -> StageReport:
+        """The report of the given start, or that of another one if ``robust`` asks for it."""
         if not self.robust or report.status not in _TRY_AGAIN:
             return report
         with np.errstate(all="ignore"):
@@ -249,51 +309,85 @@ class Stagewise(Solver):
         with np.errstate(invalid="ignore", over="ignore"):
             if original is not None:
                 answer["v"] = original.variables(*problem.unpack(answer["v"]))
-            return self._report(original or problem, answer, timings)
+            return self._report(original or problem, answer, timings, "given" if warm is None else "warm")
 
-    def solve_many(self, problems: Sequence[StageProblem], *, threads: int = 1) -> list[StageReport]:
-        """Solve each by itself, on several threads; the answers do not depend on their number."""
-        if threads < 1:
-            raise InputError(Problem("threads", f"{threads} is too few; give at least 1"))
-        if threads == 1 or len(problems) < 2:
-            return [self.solve_stages(problem) for problem in problems]
+    def solve_many(
+        self, problems: Sequence[StageProblem], *, threads: int = 1, time_limit: float | None = None
+    ) -> list[StageReport]:
+        """As :func:`tightspot.solvers.solve_many`, with this solver."""
+        _check_batch(problems, threads, time_limit)
+        until = np.inf if time_limit is None else time.perf_counter() + time_limit
+        reports: list[StageReport] = []
+        for at in range(0, len(problems), AT_ONCE * threads):
+            reports += self._first()._together(problems[at : at + AT_ONCE * threads], threads, until)
+
+        def gone_on(report: StageReport) -> StageReport:
+            left = until - time.perf_counter()
+            if report.problem is None or left <= 0:
+                return report
+            return replace(self, time_limit=min(self.time_limit, left))._gone_on(report.problem, report, None)
+
+        if threads == 1:
+            return [gone_on(report) for report in reports]
         with ThreadPoolExecutor(threads) as pool:
-            return list(pool.map(self.solve_stages, problems))
+            return list(pool.map(gone_on, reports))
+
+    def _together(self, problems: Sequence[StageProblem], threads: int, until: float) -> list[StageReport]:
+        """One solve of each from its own start, by the core's threads."""
+        answers = _solve_together(problems, self.options(), threads, until - time.perf_counter())
+        with np.errstate(invalid="ignore", over="ignore"):
+            return [
+                self._unusable(problem, answer["flaw"])
+                if "flaw" in answer
+                else self._report(problem, answer, {"build": answer["build"], "solve": answer["seconds"]}, "given")
+                for problem, answer in zip(problems, answers, strict=True)
+            ]
+
+    def _unusable(self, problem: StageProblem, flaw: str) -> StageReport:
+        none = np.zeros(0)
+        return StageReport(
+            SolveStatus.FAILED,
+            self.name,
+            *(none, np.nan, none, none, none),
+            iterations=0,
+            violation=np.inf,
+            stationarity=np.inf,
+            worst="",
+            timings={"build": 0.0, "solve": 0.0},
+            backend_status="unusable",
+            note=f"The problem cannot be solved: {flaw}.",
+            problem=problem,
+        )
 
     def options(self, *, warm: bool = False) -> Any:
         """The core's options, for those who call it directly (see :func:`core_solver`)."""
         options = _core().StagewiseOptions()
         options.tolerance, options.max_iterations = self.tolerance, self.max_iterations
         options.time_limit = self.time_limit
-        if self.initial_barrier is not None:
-            options.initial_barrier = self.initial_barrier
         options.warm = warm
         if warm:
-            options.bound_push = WARM_PUSH
+            options.bound_push, options.initial_barrier = WARM_PUSH, WARM_BARRIER
+        if self.initial_barrier is not None:
+            options.initial_barrier = self.initial_barrier
         return options
 
-    def _report(self, problem: StageProblem, answer: dict[str, Any], timings: dict[str, float]) -> StageReport:
+    def _report(
+        self, problem: StageProblem, answer: dict[str, Any], timings: dict[str, float], start: str
+    ) -> StageReport:
         core = CorePoint(*(answer[name] for name in CorePoint._fields))
         point = StagePoint(**{name: answer[name] for name in ("v", "s", "z", "zb", "lam", "nu")})
         states, inputs, final_time, lines = problem.unpack(core.v)
-        worst, violation = _violation(problem, core, states, inputs, final_time)
         status = _STATUS[answer["status"]]
-        if status.success and not violation <= 100 * self.tolerance:
+        if status.success and not answer["audited"] <= 100 * self.tolerance:
             status = SolveStatus.NUMERICAL
-        vectors = order_of(problem).point(core)
-        largest = max(1.0, float(np.abs(vectors.lam_g).max(initial=0.0)))
-        return StageReport(
+        largest = max(1.0, *(float(np.abs(of).max(initial=0.0)) for of in (core.z, core.lam)))
+        return StageReport._of(
             status=status,
             solver=self.name,
-            x=vectors.x,
             objective=answer["objective"],
-            g=vectors.g,
-            lam_x=vectors.lam_x,
-            lam_g=vectors.lam_g,
             iterations=answer["iterations"],
-            violation=violation,
+            violation=answer["audited"],
             stationarity=answer["residual"] / largest,
-            worst=worst,
             timings=timings,
             backend_status=answer["status"],
             problem=problem,
@@ -304,6 +398,8 @@ class Stagewise(Solver):
             pairs=problem.pairs,
             lines=lines,
             log=answer["log"],
+            attempts=(Attempt(start, status, answer["iterations"]),),
+            core=core,
         )
 
 
@@ -317,10 +413,46 @@ def _start(core: Any, problem: StageProblem, warm: StagePoint | None) -> None:
         raise InputError(Problem("warm" if warm else "problem", str(error))) from None
 
 
-def _violation(
-    problem: StageProblem, core: CorePoint, states: Array, inputs: Array, final_time: float
-) -> tuple[str, float]:
-    """The largest violation of a row, the dynamics, a bound, start or goal, and where it is."""
+def _check_batch(problems: Sequence[StageProblem], threads: int, time_limit: float | None) -> None:
+    if not isinstance(threads, int) or threads < 1:
+        raise InputError(Problem("threads", f"{threads!r} is no number of threads; give at least 1"))
+    if time_limit is not None and not time_limit > 0:
+        raise InputError(Problem("time_limit", f"{time_limit!r} must be positive"))
+    others = [(i, type(one).__name__) for i, one in enumerate(problems) if not isinstance(one, StageProblem)]
+    if others:
+        raise InputError([Problem(f"problems[{i}]", f"{name} is not a StageProblem") for i, name in others])
+
+
+def _solve_together(
+    problems: Sequence[StageProblem], options: Any, threads: int, seconds: float
+) -> Iterable[dict[str, Any]]:
+    """The core's answer to each problem, with ``flaw`` alone where one cannot be used."""
+    models = sorted({problem.model for problem in problems})
+    answers: list[dict[str, Any]] = [{} for _ in problems]
+    for model in models:
+        mine = [i for i, problem in enumerate(problems) if problem.model == model]
+        if model not in _MODELS:
+            found = [{"flaw": f"the model {model!r} is not compiled in"}] * len(mine)
+        else:
+            starts = [_start_of(problems[i]) for i in mine]
+            core = getattr(_core(), _MODELS[model])
+            found = core.solve_many([problems[i] for i in mine], starts, options, threads, seconds)
+        for i, answer in zip(mine, found, strict=True):
+            answers[i] = answer
+    return answers
+
+
+def _start_of(problem: StageProblem) -> Array | None:
+    """``None`` if its arrays do not fit each other."""
+    try:
+        with np.errstate(invalid="ignore", over="ignore"):
+            return problem.starting_point()
+    except (ValueError, TypeError, IndexError, AttributeError):
+        return None
+
+
+def _worst(problem: StageProblem, core: CorePoint, states: Array, inputs: Array, final_time: float) -> str:
+    """What is violated most: a row, the dynamics, a bound, start or goal, and where it is."""
     rows = np.maximum(0.0, -core.rows)
     defects = np.abs(core.defects).reshape(problem.steps, -1).max(axis=1)
     free_start, free_goal = np.isnan(problem.start), np.isnan(problem.goal)
@@ -344,7 +476,7 @@ def _violation(
             worst = kind if kind.startswith("separation") or kind.endswith("t_f") else f"{kind} at knot {knot}"
             if kind.startswith("separation"):
                 worst = _row_sentence(problem, knot)
-    return worst, largest
+    return worst
 
 
 def _row_sentence(problem: StageProblem, row: int) -> str:
@@ -363,11 +495,10 @@ def core_solver(problem: StageProblem) -> Any:
     Raises:
         InputError: The model is not compiled in, or an array does not fit the others.
     """
-    models = {"single_track": "StagewiseSingleTrack"}
-    if problem.model not in models:
-        raise InputError(Problem("model", f"{problem.model!r} is not compiled in; there are {', '.join(models)}"))
+    if problem.model not in _MODELS:
+        raise InputError(Problem("model", f"{problem.model!r} is not compiled in; there are {', '.join(_MODELS)}"))
     try:
-        return getattr(_core(), models[problem.model])(problem)
+        return getattr(_core(), _MODELS[problem.model])(problem)
     except ValueError as error:
         raise InputError(Problem("problem", str(error))) from None
 
