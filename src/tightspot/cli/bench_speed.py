@@ -24,9 +24,10 @@ def speed_command(
     ] = Path("speed-bench"),
     quick: Annotated[bool, typer.Option("--quick", help="A few starts: less than a minute, all figures.")] = False,
     starts: Annotated[
-        int | None, typer.Option(metavar="N", help="Starts a scene, for solves and plans; default 100, quick 3 and 2.")
+        int | None,
+        typer.Option(metavar="N", min=1, help="Starts a scene, for solves and plans; default 100, quick 3 and 2."),
     ] = None,
-    seed: Annotated[int, typer.Option(metavar="N", help="Of the starts.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of the starts.")] = 0,
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the figures as SVG.")] = True,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")] = False,
