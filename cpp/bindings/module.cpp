@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -28,14 +29,29 @@ namespace {
 
 using Rows2 = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 using Rows3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Indices = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Vector3 = nb::ndarray<const double, nb::shape<3>, nb::c_contig, nb::device::cpu>;
 
 Pose to_pose(const Vector3& pose) { return {pose(0), pose(1), pose(2)}; }
 
-Polygon to_polygon(const Rows2& vertices) {
+Polygon to_polygon(const Rows2& vertices, std::size_t first, std::size_t last) {
     std::vector<Point> points;
-    for (std::size_t i = 0; i < vertices.shape(0); ++i) points.push_back({vertices(i, 0), vertices(i, 1)});
+    points.reserve(last - first);
+    for (std::size_t i = first; i < last; ++i) points.push_back({vertices(i, 0), vertices(i, 1)});
     return Polygon(points);
+}
+
+Polygon to_polygon(const Rows2& vertices) { return to_polygon(vertices, 0, vertices.shape(0)); }
+
+/// Polygon i has the vertices from first[i] to first[i + 1].
+std::vector<Polygon> to_polygons(const Rows2& vertices, const Indices& first) {
+    std::vector<Polygon> polygons;
+    for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+        if (first(i) < 0 || first(i) > first(i + 1) || first(i + 1) > static_cast<std::int64_t>(vertices.shape(0)))
+            throw nb::value_error("the polygons' vertices must follow one another");
+        polygons.push_back(to_polygon(vertices, first(i), first(i + 1)));
+    }
+    return polygons;
 }
 
 std::vector<Polygon> to_polygons(const std::vector<Rows2>& all) {
@@ -159,11 +175,11 @@ void bind_checker(nb::module_& m) {
         .def(
             "__init__",
             [](CollisionChecker* self, const std::vector<Rows2>& parts, const Rows2& workspace,
-               const std::vector<Rows2>& obstacles, double margin) {
+               const Rows2& obstacles, const Indices& first, double margin) {
                 new (self) CollisionChecker(Footprint(to_polygons(parts)), to_polygon(workspace),
-                                            to_polygons(obstacles), margin);
+                                            to_polygons(obstacles, first), margin);
             },
-            "parts"_a, "workspace"_a, "obstacles"_a, "margin"_a)
+            "parts"_a, "workspace"_a, "obstacles"_a, "first"_a, "margin"_a)
         .def(
             "slack",
             [](const CollisionChecker& self, const Rows3& poses) {

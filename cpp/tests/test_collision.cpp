@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <random>
 
 #include "check.hpp"
@@ -51,6 +52,29 @@ TEST(slack_bounds_the_clearance_and_agrees_on_its_sign) {
             const double slack = checker.slack(pose);
             CHECK((slack > 0.0) == (is_inside && contact.clearance > margin));
             if (slack > 0.0) CHECK(slack <= contact.clearance - margin + 1e-9);
+        }
+    }
+}
+
+TEST(a_map_lists_all_obstacles_within_reach_and_few_others) {
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    std::vector<Polygon> obstacles{rectangle(0, 100, 30, 31), rectangle(-20, -10, 0, 100)};
+    for (int i = 0; i < 400; ++i) {
+        const double x = 110 * unit(random) - 5, y = 110 * unit(random) - 5;
+        obstacles.push_back(rectangle(x, x + 3 * unit(random) + 0.1, y, y + 0.1 + 12 * unit(random)));
+    }
+    const double reach = 3.5, cell = 0.8;
+    const ObstacleMap map(obstacles, rectangle(0, 100, 0, 100), reach, cell);
+    for (int i = 0; i < 3000; ++i) {
+        const Point q{100 * unit(random), 100 * unit(random)};
+        std::vector<int> listed(map.near(q).begin(), map.near(q).end());
+        CHECK(std::is_sorted(listed.begin(), listed.end()));
+        for (int j = 0; j < static_cast<int>(obstacles.size()); ++j) {
+            const bool is_listed = std::binary_search(listed.begin(), listed.end(), j);
+            const double distance = point_distance(obstacles[j], q);
+            if (distance <= reach) CHECK(is_listed);
+            if (is_listed) CHECK(distance <= reach + 9.0);
         }
     }
 }

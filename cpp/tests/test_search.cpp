@@ -1,3 +1,5 @@
+#include <random>
+
 #include "check.hpp"
 #include "shapes.hpp"
 #include "tightspot/path.hpp"
@@ -114,6 +116,33 @@ TEST(the_grid_never_overrates_the_way) {
     double length = 0.0;
     for (const Arc& arc : result.arcs) length += std::abs(arc.length);
     CHECK(grid.lower_bound({parked.x, parked.y}) <= length);
+}
+
+TEST(distances_do_not_depend_on_what_was_asked_before) {
+    std::vector<Polygon> obstacles;
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> place(3.0, 57.0);
+    for (int i = 0; i < 150; ++i) {
+        const double x = place(random), y = place(random);
+        obstacles.push_back(rectangle(x, x + 1.2, y, y + 0.8));
+    }
+    const CollisionChecker checker(car(), rectangle(0, 60, 0, 60), obstacles, 0.05);
+    DistanceGrid asked_once(checker, {1.5, 1.5}, 0.3);
+    DistanceGrid outward(checker, {1.5, 1.5}, 0.3);
+    int reached = 0, blocked = 0;
+    for (double x = 1.0; x < 60; x += 1.7)
+        for (double y = 1.0; y < 60; y += 1.3) {
+            const double way = outward.lower_bound({x, y});
+            DistanceGrid anew(checker, {1.5, 1.5}, 0.3);
+            CHECK(anew.lower_bound({x, y}) == way && asked_once.lower_bound({x, y}) == way);
+            // A disc that stands clear of everything is in no blocked cell; one that is deep in an obstacle is.
+            double room = HUGE_VAL;
+            for (const Polygon& obstacle : obstacles) room = std::min(room, point_distance(obstacle, {x, y}));
+            (std::isfinite(way) ? reached : blocked) += 1;
+            if (room == 0.0) CHECK(!std::isfinite(way));
+            if (std::isfinite(way)) CHECK(room > 0.0 && way + 1.0 >= 0.95 * std::hypot(x - 1.5, y - 1.5));
+        }
+    CHECK(reached > 300 && blocked > 100);
 }
 
 TEST(a_rear_axle_beside_the_body_may_pass_over_obstacles) {

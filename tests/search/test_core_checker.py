@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from tightspot import _core
-from tightspot.geometry import ConvexPolygon, clearance, transform
+from tightspot.geometry import ConvexPolygon, PolygonStack, clearance, transform
 from tightspot.vehicles import vehicle
 
 WORKSPACE = ConvexPolygon.rectangle(-20, 20, -20, 20)
@@ -28,7 +28,8 @@ def test_clearances_and_verdicts_agree_with_the_closed_form(name, margin):
     rng = np.random.default_rng(7)
     car, obstacles = vehicle(name), random_polygons(rng, 25)
     parts = [part.polygon.vertices for part in car.parts]
-    checker = _core.CollisionChecker(parts, WORKSPACE.vertices, [obstacle.vertices for obstacle in obstacles], margin)
+    stack = PolygonStack(obstacles)
+    checker = _core.CollisionChecker(parts, WORKSPACE.vertices, stack.vertices, stack.first, margin)
     poses = np.c_[rng.uniform(-14, 14, (400, 2)), rng.uniform(-4, 4, 400)]
     slacks = checker.slack(poses)
     pairs = [clearance(transform(part, poses), obstacle.vertices) for part in parts for obstacle in obstacles]
@@ -41,7 +42,10 @@ def test_clearances_and_verdicts_agree_with_the_closed_form(name, margin):
 
 
 def test_arrays_of_the_wrong_kind_are_refused():
+    none = np.zeros((0, 2)), np.zeros(1, dtype=np.int64)
     with pytest.raises(TypeError):
-        _core.CollisionChecker([np.zeros((4, 3))], WORKSPACE.vertices, [], 0.0)
+        _core.CollisionChecker([np.zeros((4, 3))], WORKSPACE.vertices, *none, 0.0)
     with pytest.raises(ValueError, match="three distinct vertices"):
-        _core.CollisionChecker([np.zeros((4, 2))], WORKSPACE.vertices, [], 0.0)
+        _core.CollisionChecker([np.zeros((4, 2))], WORKSPACE.vertices, *none, 0.0)
+    with pytest.raises(ValueError, match="must follow one another"):
+        _core.CollisionChecker([WORKSPACE.vertices], WORKSPACE.vertices, none[0], np.array([0, 4]), 0.0)

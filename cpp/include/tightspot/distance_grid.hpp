@@ -15,21 +15,26 @@ namespace tightspot {
 /// Distances from a target cell over a grid with 16 neighbours, computed as far as they are asked for. Steps along an
 /// axis, a diagonal and a knight's move cost 5, 7 and 11 fifths of a cell (G. Borgefors: Distance transformations in
 /// digital images, CVGIP 34, 1986), so that cells are settled from buckets, without comparisons.
+/// Which cells are blocked is found out by tiles, when the distances come near them.
 /// A cell is blocked only if the body's inscribed disc about the rear-axle midpoint cannot stand anywhere in it, so a
 /// blocked or unreachable cell is blocked for the vehicle too.
 class DistanceGrid {
 public:
-    DistanceGrid(const CollisionChecker& checker, Point target, double cell) {
+    DistanceGrid(const CollisionChecker& checker, Point target, double cell) : checker_(checker) {
         const Box box(checker.workspace().vertices);
         grid_ = Grid(box.low, box.high, cell, 400);
         width_ = grid_.columns + 2 * rim;
         const std::size_t size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(grid_.rows + 2 * rim);
-        blocked_.assign(size, 1);
+        state_.assign(size, blocked);
+        for (int row = 0; row < grid_.rows; ++row) std::fill_n(state_.begin() + padded(0, row), grid_.columns, unseen);
         distance_.assign(size, unreached);
         for (std::size_t i = 0; i < steps.size(); ++i) offsets_[i] = steps[i].rows * width_ + steps[i].columns;
-        block(checker);
+        border_ = checker.footprint().inscribed - grid_.half_diagonal();
+        near_ = border_ + checker.margin();
+        tiles_ = Tiles(grid_, checker.obstacles(), std::max(near_, 0.0));
         const int start = padded(grid_.column(target.x), grid_.row(target.y));
-        blocked_[start] = 0;
+        if (state_[start] == unseen) look_at(start);
+        state_[start] = free;
         push(start, 0);
     }
 
@@ -39,6 +44,7 @@ public:
     /// A lower bound (up to 4 %) of the way from `q` to the target in m; infinite if there is none.
     double lower_bound(Point q) {
         const int index = padded(grid_.column(q.x), grid_.row(q.y));
+        if (is_blocked(index)) return HUGE_VAL;
         while (distance_[index] > settled_ && waiting_ > 0) settle_next_bucket();
         if (distance_[index] == unreached) return HUGE_VAL;
         return std::max(0.0, shrink * grid_.cell * distance_[index] - 2.0 * grid_.half_diagonal());
@@ -46,34 +52,44 @@ public:
 
 private:
     static constexpr int rim = 2;  ///< blocked cells around the grid, as wide as the longest step
+    static constexpr char free = 0, blocked = 1, unseen = 2;
     static constexpr int unreached = std::numeric_limits<int>::max();
     /// Lengths in fifths of a cell overrate no way by more than the last factor.
     static constexpr double shrink = 1.0 / 5.0 / 1.0199;
 
     int padded(int column, int row) const { return (row + rim) * width_ + column + rim; }
 
-    void block(const CollisionChecker& checker) {
-        for (int row = 0; row < grid_.rows; ++row)
-            std::fill_n(blocked_.begin() + padded(0, row), grid_.columns, static_cast<char>(0));
-        const double disc = checker.footprint().inscribed;
-        if (disc < 0.0) return;  // a point beside the body may be anywhere
-        const double border = disc - grid_.half_diagonal();
-        const double near = border + checker.margin();
-        const Polygon& workspace = checker.workspace();
-        for (std::size_t w = 0; w < workspace.size(); ++w) {
-            const Point normal = workspace.normals[w];
-            for (int row = 0; row < grid_.rows; ++row) {
-                const double across = workspace.offsets[w] - border - normal.y * grid_.middle(row * grid_.columns).y;
-                for (int column = 0; column < grid_.columns; ++column)
-                    if (across < normal.x * grid_.middle(column).x) blocked_[padded(column, row)] = 1;
-            }
-        }
-        for (const Polygon& obstacle : checker.obstacles()) {
-            grid_.for_each_near(obstacle, std::max(near, 0.0), [&](int index) {
-                char& blocked = blocked_[padded(index % grid_.columns, index / grid_.columns)];
-                if (!blocked && hides_cell(obstacle, grid_.middle(index), near)) blocked = 1;
+    bool is_blocked(int index) {
+        if (state_[index] == unseen) look_at(index);
+        return state_[index] == blocked;
+    }
+
+    /// Settles which cells of a cell's tile are blocked.
+    void look_at(int index) {
+        const int left = (index % width_ - rim) / Tiles::side * Tiles::side;
+        const int bottom = (index / width_ - rim) / Tiles::side * Tiles::side;
+        const int right = std::min(left + Tiles::side, grid_.columns), top = std::min(bottom + Tiles::side, grid_.rows);
+        for (int row = bottom; row < top; ++row)
+            std::fill_n(state_.begin() + padded(left, row), right - left, free);
+        if (checker_.footprint().inscribed < 0.0) return;  // a point beside the body may be anywhere
+        for (int row = bottom; row < top; ++row)
+            for (int column = left; column < right; ++column)
+                if (is_outside(grid_.middle(row * grid_.columns + column))) state_[padded(column, row)] = blocked;
+        for (const int j : tiles_.near(bottom * grid_.columns + left)) {
+            const Polygon& obstacle = checker_.obstacles()[j];
+            grid_.for_each_near(obstacle, std::max(near_, 0.0), left, bottom, right, top, [&](int cell) {
+                char& state = state_[padded(cell % grid_.columns, cell / grid_.columns)];
+                if (state != blocked && hides_cell(obstacle, grid_.middle(cell), near_)) state = blocked;
             });
         }
+    }
+
+    /// Whether the disc reaches out of the workspace wherever in the cell around `middle` it stands.
+    bool is_outside(Point middle) const {
+        const Polygon& workspace = checker_.workspace();
+        for (std::size_t w = 0; w < workspace.size(); ++w)
+            if (workspace.offsets[w] - border_ < dot(workspace.normals[w], middle)) return true;
+        return false;
     }
 
     /// Whether no point of the cell around `middle` is as far from the obstacle as the disc demands.
@@ -105,9 +121,9 @@ private:
     void relax(int index) {
         for (std::size_t i = 0; i < steps.size(); ++i) {
             const int next = index + offsets_[i];
-            if (blocked_[next]) continue;
-            if (steps[i].is_jump() && blocked_[index + steps[i].rows / 2 * width_ + steps[i].columns / 2] &&
-                blocked_[next - steps[i].rows / 2 * width_ - steps[i].columns / 2])
+            if (is_blocked(next)) continue;
+            if (steps[i].is_jump() && is_blocked(index + steps[i].rows / 2 * width_ + steps[i].columns / 2) &&
+                is_blocked(next - steps[i].rows / 2 * width_ - steps[i].columns / 2))
                 continue;
             push(next, settled_ + steps[i].fifths);
         }
@@ -134,10 +150,14 @@ private:
                                                  {-1, 2, 11},
                                                  {-1, -2, 11}}};
 
+    const CollisionChecker& checker_;
     Grid grid_;
+    Tiles tiles_;
+    double border_;  ///< how far inside the workspace, m, and ...
+    double near_;    ///< ... how far from obstacles a cell's middle must be
     int width_ = 0;
     std::array<int, 16> offsets_{};
-    std::vector<char> blocked_;
+    std::vector<char> state_;
     std::vector<int> distance_;  ///< fifths of a cell
     std::array<std::vector<int>, 12> buckets_;
     std::size_t waiting_ = 0;

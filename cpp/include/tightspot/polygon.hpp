@@ -21,6 +21,7 @@ struct Polygon {
 
     /// Vertices of a convex polygon in either winding; repeated ones are dropped.
     explicit Polygon(const std::vector<Point>& points) {
+        vertices.reserve(points.size());
         for (const Point& p : points)
             if (vertices.empty() || std::hypot(p.x - vertices.back().x, p.y - vertices.back().y) > 1e-12)
                 vertices.push_back(p);
@@ -29,6 +30,7 @@ struct Polygon {
             vertices.pop_back();
         if (vertices.size() < 3) throw std::invalid_argument("a polygon needs at least three distinct vertices");
         if (doubled_area() < 0.0) std::reverse(vertices.begin(), vertices.end());
+        normals.reserve(vertices.size()), offsets.reserve(vertices.size());
         for (std::size_t i = 0; i < vertices.size(); ++i) {
             const Point a = vertices[i], b = vertices[(i + 1) % vertices.size()];
             const double length = std::hypot(b.x - a.x, b.y - a.y);

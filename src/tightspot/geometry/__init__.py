@@ -5,10 +5,12 @@ from tightspot.geometry.polygon import ConvexPolygon, is_convex
 from tightspot.geometry.rings import Ring, clean_ring
 from tightspot.geometry.separation import Separation, best_line, clearance, penetration_depth
 from tightspot.geometry.solids import solid_polygons
+from tightspot.geometry.stack import PolygonStack
 from tightspot.geometry.transforms import nearest_angle, rotation, transform, wrap_angle
 
 __all__ = [
     "ConvexPolygon",
+    "PolygonStack",
     "Ring",
     "Separation",
     "best_line",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,8 +26,6 @@ class ConvexPolygon:
 
     Attributes:
         vertices: Counter-clockwise, m, shape (n, 2), read-only.
-        A: Unit outward normals of the edges, shape (n, 2), read-only.
-        b: The polygon is ``{q: A q <= b}``, m, shape (n,), read-only.
 
     Raises:
         GeometryError: See :meth:`from_vertices`.
@@ -37,8 +35,6 @@ class ConvexPolygon:
     """
 
     vertices: Array
-    A: Array = field(init=False)
-    b: Array = field(init=False)
 
     def __post_init__(self) -> None:
         self._set(_convex_ring(self.vertices, "vertices"))
@@ -101,6 +97,17 @@ class ConvexPolygon:
                 )
         return cls.from_vertices([(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)])
 
+    @cached_property
+    def A(self) -> Array:
+        """Unit outward normals of the edges, shape (n, 2), read-only."""
+        edges = self.vertices - np.roll(self.vertices, 1, axis=0)
+        return _read_only(np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None] + 0.0)
+
+    @cached_property
+    def b(self) -> Array:
+        """The polygon is ``{q: A q <= b}``, m, shape (n,), read-only."""
+        return _read_only((self.A @ self.vertices.T).max(axis=1))  # the support: rounding leaves no vertex outside
+
     @property
     def area(self) -> float:
         """Area, m^2."""
@@ -158,11 +165,7 @@ class ConvexPolygon:
         return polygon
 
     def _set(self, vertices: Array) -> None:
-        edges = vertices - np.roll(vertices, 1, axis=0)
-        A = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.hypot(*edges.T)[:, None] + 0.0
-        b = (A @ vertices.T).max(axis=1)  # the support, so that rounding leaves no vertex outside
-        for name, value in (("vertices", vertices), ("A", A), ("b", b)):
-            object.__setattr__(self, name, _read_only(value))
+        object.__setattr__(self, "vertices", _read_only(vertices))
 
 
 def _read_only(array: Array) -> Array:

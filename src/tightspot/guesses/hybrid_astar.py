@@ -56,7 +56,7 @@ class HybridAStar(Guess):
         options = self.options or HybridAStarOptions(margins=margins_for(margin))
         if self.seed is not None:
             options = perturbed(options, self.seed)
-        obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+        obstacles = scenario.obstacle_polygons
         start, goal = known(scenario.start), known(scenario.goal)
         result = search(
             scenario.workspace,

@@ -81,7 +81,7 @@ class ReedsShepp(Guess):
         """
         car = as_single_track(vehicle, self.name)
         words = self._words(scenario, car)
-        obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+        obstacles = scenario.obstacle_polygons
         paths = [word.sample(SPACING) for word in words]
         shares = blocked_shares(scenario.workspace, obstacles, car, paths, margin)
         order = sorted((index for index in range(len(words)) if shares[index] <= most), key=lambda index: shares[index])

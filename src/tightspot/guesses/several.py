@@ -148,7 +148,7 @@ def variants(
         extra_expansions=EXTRA_EXPANSIONS,
         time_limit=SECONDS,
     )
-    task = _Task(scenario, car, [polygon for _, polygon in scenario.obstacle_parts], options, lift)
+    task = _Task(scenario, car, list(scenario.obstacle_polygons), options, lift)
     width = min(np.ptp(np.vstack([part.polygon.vertices for part in car.parts]), axis=0))
     courses = [_Course("default", found, found.path)]
     for course in in_order(task.run, _trials(found.path, car, rng, tries * count), threads):

@@ -72,8 +72,7 @@ def _moved(before: Array, after: Array) -> tuple[float, float]:
 
 def _largest_shift(before: Scenario, after: Scenario) -> float | None:
     """Largest distance that a corner of the obstacles' convex parts moved, m; ``None`` if they do not correspond."""
-    old = [polygon.vertices for _, polygon in before.obstacle_parts]
-    new = [polygon.vertices for _, polygon in after.obstacle_parts]
-    if [len(part) for part in old] != [len(part) for part in new]:
+    old, new = before.obstacle_polygons, after.obstacle_polygons
+    if not np.array_equal(old.first, new.first):
         return None
-    return max((float(np.hypot(*(b - a).T).max()) for a, b in zip(old, new, strict=True)), default=0.0)
+    return float(np.hypot(*(new.vertices - old.vertices).T).max(initial=0.0))

@@ -13,7 +13,7 @@ from tightspot.transcription import TimeGrid
 from tightspot.transcription.sampling import states_at
 from tightspot.vehicles.base import VehicleModel
 from tightspot.verification.replay import Replay
-from tightspot.verification.sampled import sampled_clearance, sampled_room
+from tightspot.verification.sampled import near_clearance, sampled_room
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Room:
     """How near a motion comes to everything, by interval.
 
     Attributes:
-        obstacles: Smallest sampled clearance, (N, parts, obstacle parts), m.
+        obstacles: Smallest sampled clearance, (N, parts, obstacle parts), m; a lower bound of what is far.
         walls: Smallest sampled distance inside W's edges, (N, parts, edges), m.
     """
 
@@ -67,10 +67,11 @@ class Room:
 
     @classmethod
     def _of(cls, states: Array, per_interval: int, scenario: Scenario, vehicle: VehicleModel) -> Room:
-        return cls(
-            by_interval(sampled_clearance(states, scenario, vehicle), per_interval),
-            by_interval(sampled_room(states, scenario, vehicle), per_interval),
-        )
+        near, apart, found = near_clearance(states, scenario, vehicle)
+        obstacles = np.empty(((len(states) - 1) // per_interval, *apart.shape))
+        obstacles[:] = apart
+        obstacles[:, :, near] = by_interval(found, per_interval)
+        return cls(obstacles, by_interval(sampled_room(states, scenario, vehicle), per_interval))
 
 
 def _subdivided(knots: Array, parts: int) -> Array:

@@ -156,7 +156,7 @@ def _reached(
         keep_closed=True,
     )
     start, goal = known(scenario.start)[:3], known(scenario.goal)[:3]
-    obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+    obstacles = scenario.obstacle_polygons
     result = search(scenario.workspace, obstacles, car, start, goal, options)
     root = start if direction is Direction.FORWARD else goal
     return np.vstack([root, result.closed_poses])

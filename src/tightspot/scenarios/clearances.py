@@ -42,17 +42,16 @@ def clearances(scenario: Scenario, vehicle: VehicleModel, state: Array, reach: f
     """
     bodies = body_vertices(vehicle, state)
     corners = np.vstack([vertices for _, vertices in bodies])
-    labels = [label for solid in scenario.solids for label in solid.labels]
-    parts = [part.vertices for _, part in scenario.obstacle_parts]
-    near = [(labels[i], parts[i]) for i in np.flatnonzero(box_distances(corners, parts) <= reach)]
+    labels, parts = scenario.part_labels, scenario.obstacle_polygons
+    near = np.flatnonzero(parts.box_distances(corners) <= reach).tolist()
     if not near:
         return []
-    padded = padded_vertices([vertices for _, vertices in near])
+    padded = padded_vertices([parts[i].vertices for i in near])
     nearest: dict[str, Clearance] = {}
     for part_name, vertices in bodies:
         line = best_line(vertices, padded)
         for row in np.argsort(line.clearance, kind="stable"):
-            name, value = near[row][0], float(line.clearance[row])
+            name, value = labels[near[row]], float(line.clearance[row])
             if name not in nearest or value < nearest[name].value:
                 nearest[name] = Clearance(value, name, part_name, line.normal[row])
     return sorted(nearest.values(), key=lambda clearance: clearance.value)
@@ -87,17 +86,6 @@ def padded_vertices(polygons: list[Array]) -> Array:
     """Vertex lists as one array (len, n, 2); shorter ones repeat their last vertex."""
     n = max(len(vertices) for vertices in polygons)
     return np.stack([np.vstack([v, np.repeat(v[-1:], n - len(v), axis=0)]) for v in polygons])
-
-
-def box_distances(p: Array, polygons: list[Array]) -> Array:
-    """:func:`box_distance` of the points to the vertices of each polygon, m."""
-    if not polygons:
-        return np.zeros(0)
-    vertices = np.concatenate(polygons)
-    first = np.cumsum([0, *(len(polygon) for polygon in polygons[:-1])])
-    low, high = np.minimum.reduceat(vertices, first), np.maximum.reduceat(vertices, first)
-    gaps = np.maximum(np.maximum(low - p.max(axis=0), p.min(axis=0) - high), 0.0)
-    return np.asarray(np.hypot(gaps[:, 0], gaps[:, 1]))
 
 
 def box_distance(p: Array, q: Array) -> float:

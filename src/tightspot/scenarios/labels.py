@@ -7,5 +7,4 @@ from tightspot.scenarios.scenario import Scenario
 
 def labels(scenario: Scenario) -> dict[str, str]:
     """For each name in :attr:`Scenario.obstacle_parts` the obstacle that the part is of, or ``a+b`` if of both."""
-    names = [name for name, _ in scenario.obstacle_parts]
-    return dict(zip(names, (label for solid in scenario.solids for label in solid.labels), strict=True))
+    return dict(zip(scenario.part_names, scenario.part_labels, strict=True))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tightspot import vehicles
 from tightspot.errors import Problem, SceneError
-from tightspot.geometry import ConvexPolygon
+from tightspot.geometry import ConvexPolygon, PolygonStack
 from tightspot.scenarios.assemble import assemble, recentring
 from tightspot.scenarios.boundary import Boundary
 from tightspot.scenarios.filed import in_file
@@ -25,6 +25,9 @@ from tightspot.scenarios.states import as_state, free_steering, state_problems, 
 from tightspot.vehicles import VehicleModel
 
 Array = NDArray[np.float64]
+
+
+_OF_OBSTACLES = {"solids", "obstacle_parts", "obstacle_polygons", "part_names", "part_labels"}
 
 
 @dataclass(frozen=True)
@@ -112,6 +115,26 @@ class Scenario:
         """All solids' convex parts with unique names: solid ``wall`` has ``wall/0``, ``wall/1``, ..."""
         return [(f"{solid.name}/{index}", part) for solid in self.solids for index, part in enumerate(solid.parts)]
 
+    @cached_property
+    def obstacle_polygons(self) -> PolygonStack:
+        """The polygons of :attr:`obstacle_parts`."""
+        return PolygonStack(part for _, part in self.obstacle_parts)
+
+    @cached_property
+    def part_names(self) -> tuple[str, ...]:
+        """The names of :attr:`obstacle_parts`."""
+        return tuple(name for name, _ in self.obstacle_parts)
+
+    @cached_property
+    def part_labels(self) -> tuple[str, ...]:
+        """Of each of the :attr:`obstacle_parts` the name of its obstacle, or ``a+b`` if it is of both."""
+        return tuple(label for solid in self.solids for label in solid.labels)
+
+    @cached_property
+    def as_filed(self) -> Scenario:
+        """The scenario as it comes back from its scene file: far from the origin, coordinates are rounded there."""
+        return Scenario.from_dict(self.to_dict())
+
     def vehicle_model(self) -> VehicleModel:
         """The recommended vehicle; raises :class:`tightspot.errors.VehicleError` if there is none such."""
         if isinstance(self.vehicle, str):
@@ -122,7 +145,7 @@ class Scenario:
         """A copy with some attributes changed, checked again."""
         copy = dataclasses.replace(self, **changes)
         if copy.obstacles == self.obstacles and copy.boundary is self.boundary:
-            for key in {"solids", "obstacle_parts"} & self.__dict__.keys():  # computed on demand, then kept
+            for key in _OF_OBSTACLES & self.__dict__.keys():  # computed on demand, then kept
                 copy.__dict__[key] = self.__dict__[key]
         return copy
 

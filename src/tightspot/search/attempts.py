@@ -9,6 +9,7 @@ import numpy as np
 
 from tightspot.errors import InputError, Problem
 from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.geometry.stack import PolygonStack
 from tightspot.search.core import compiled_core
 from tightspot.search.options import Direction, HybridAStarOptions
 from tightspot.search.path import Array
@@ -55,7 +56,7 @@ class Scene:
             )
         self.parts = [np.ascontiguousarray(part.polygon.vertices) for part in parts]
         self.workspace = np.ascontiguousarray(workspace.vertices)
-        self.obstacles = [np.ascontiguousarray(obstacle.vertices) for obstacle in obstacles]
+        self.obstacles = PolygonStack.of(obstacles)
         self.curvature = options.curvature_factor / radius
         self.start, self.goal, self.options = start, goal, options
 
@@ -64,7 +65,8 @@ class Scene:
     ) -> tuple[Attempt, Array, Array]:
         """One search: its record, the path's arcs (m, 2) if any, the poses expanded (n, 3) if kept."""
         core = compiled_core()
-        checker = core.CollisionChecker(self.parts, self.workspace, self.obstacles, margin)
+        solids = self.obstacles
+        checker = core.CollisionChecker(self.parts, self.workspace, solids.vertices, solids.first, margin)
         direction = self._resolved(direction, checker)
         settings = self._settings(resolution, checker.narrowest)
         settings.backward = direction is Direction.BACKWARD

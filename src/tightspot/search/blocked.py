@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.geometry.stack import PolygonStack
 from tightspot.search.core import compiled_core
 from tightspot.search.hybrid_astar import Car
 from tightspot.search.path import Path
@@ -27,6 +28,6 @@ def blocked_shares(
         BuildError: The compiled core is missing.
     """
     parts = [np.ascontiguousarray(part.polygon.vertices) for part in vehicle.parts]
-    solids = [np.ascontiguousarray(obstacle.vertices) for obstacle in obstacles]
-    checker = compiled_core().CollisionChecker(parts, np.ascontiguousarray(workspace.vertices), solids, margin)
+    solids, border = PolygonStack.of(obstacles), np.ascontiguousarray(workspace.vertices)
+    checker = compiled_core().CollisionChecker(parts, border, solids.vertices, solids.first, margin)
     return [float(np.mean(checker.slack(np.ascontiguousarray(path.poses)) <= 0)) for path in paths]

@@ -32,7 +32,7 @@ def with_numbers(
     guess: Trajectory,
 ) -> Nlp:
     """The program from start (n_x,) to goal (n_x,), NaN meaning free, started at the guess on the program's grid."""
-    obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+    obstacles = scenario.obstacle_polygons
     count = symbols.x.numel()
     lower, upper, first = np.full(count, -np.inf), np.full(count, np.inf), np.zeros(count)
     low, high = state_bounds(vehicle, settings)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
 from tightspot.formulations import Formulation, SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
-from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.geometry.stack import PolygonStack
 from tightspot.geometry.transforms import nearest_angle
 from tightspot.scenarios.scenario import Scenario
 from tightspot.solvers.stage_problem import LineForm, StageProblem
@@ -55,7 +55,7 @@ def stage_problem(
             the formulation (see :func:`fits_stages`).
         BuildError: The compiled core is missing.
     """
-    obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+    obstacles = scenario.obstacle_polygons
     shape = (grid.steps, len(vehicle.parts))
     active = np.ones((*shape, len(obstacles)), bool) if active is None else active
     walls = np.ones((*shape, len(scenario.workspace.b)), bool) if walls is None else walls
@@ -80,7 +80,7 @@ def stage_problem(
 def _arrays(
     scenario: Scenario,
     vehicle: VehicleModel,
-    obstacles: list[ConvexPolygon],
+    obstacles: PolygonStack,
     guess: Trajectory,
     settings: Settings,
     grid: TimeGrid,
@@ -102,10 +102,9 @@ def _arrays(
     time_low, time_high = settings.final_time_bounds
     edges = wall_indices[:, 2]
     steering = vehicle.limits.steering
-    part_vertices, part_first = _stacked([part.polygon for part in vehicle.parts])
-    obstacle_vertices, obstacle_first = _stacked(obstacles)
+    parts = PolygonStack(part.polygon for part in vehicle.parts)
     at_knots = settings.formulation.holds == "knots"
-    polygons = (part_vertices, part_first, obstacle_vertices, obstacle_first)
+    polygons = (parts.vertices, parts.first, obstacles.vertices, obstacles.first)
     lines, origins = start_lines(guess.states, pieces, pairs, *polygons, at_knots=at_knots)
     return StageProblem(
         model="single_track",
@@ -124,11 +123,11 @@ def _arrays(
         time_high=float(time_high),
         start=start,
         goal=goal,
-        part_vertices=part_vertices,
-        part_first=part_first,
+        part_vertices=parts.vertices,
+        part_first=parts.first,
         part_radii=np.array([part.polygon.radius for part in vehicle.parts]),
-        obstacle_vertices=obstacle_vertices,
-        obstacle_first=obstacle_first,
+        obstacle_vertices=obstacles.vertices,
+        obstacle_first=obstacles.first,
         pairs=pairs,
         pair_origins=origins,
         pair_sides=np.ascontiguousarray(sides[pairs[:, 0]]),
@@ -142,13 +141,6 @@ def _arrays(
         lines=lines,
         form=_FORMS[type(settings.formulation)],
     )
-
-
-def _stacked(polygons: list[ConvexPolygon]) -> tuple[Array, Integers]:
-    """All vertices, and where each polygon's begin."""
-    first = np.cumsum([0, *(len(polygon.vertices) for polygon in polygons)], dtype=np.int64)
-    vertices = np.concatenate([polygon.vertices for polygon in polygons]) if polygons else np.zeros((0, 2))
-    return np.ascontiguousarray(vertices, float), first
 
 
 def _demands(settings: Settings, pieces: Integers, fixed: tuple[bool, bool]) -> tuple[Array, Array, Array]:

@@ -166,7 +166,7 @@ def transcribe(
 
     Reference: paper, section 6, eq. (22).
     """
-    obstacles = [polygon for _, polygon in scenario.obstacle_parts]
+    obstacles = scenario.obstacle_polygons
     shapes = {
         name: (grid.steps, len(vehicle.parts), count)
         for name, count in (("active", len(obstacles)), ("walls", len(scenario.workspace.b)))

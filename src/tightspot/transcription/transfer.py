@@ -80,8 +80,7 @@ def moved_ends(report: StageReport, scenario: Scenario) -> StageProblem | None:
     problem = report.problem
     if problem is None or report.states is None or report.inputs is None or report.lines is None:
         return None
-    corners = [polygon.vertices for _, polygon in scenario.obstacle_parts]
-    if not np.array_equal(np.concatenate(corners) if corners else np.zeros((0, 2)), problem.obstacle_vertices):
+    if not np.array_equal(scenario.obstacle_polygons.vertices, problem.obstacle_vertices):
         return None
     states, ends = report.states.copy(), []
     for end, knot in ((scenario.start, 0), (scenario.goal, -1)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib import metadata
@@ -197,8 +197,8 @@ class Certificate:
     clearance: float
     witnesses: tuple[Witness, ...]
     checks: tuple[Check, ...]
-    obstacles: tuple[ObstaclePart, ...]
-    pairs: tuple[PairProof, ...]
+    obstacles: Sequence[ObstaclePart]
+    pairs: Sequence[PairProof]
     workspace: tuple[WorkspaceProof, ...]
     integration: Integration
     offset: tuple[float, float]

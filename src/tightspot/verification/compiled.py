@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.geometry import ConvexPolygon
+from tightspot.geometry import ConvexPolygon, PolygonStack
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import SingleTrack, VehicleModel
 
@@ -73,14 +74,20 @@ def body_on(motion: Motion, vehicle: VehicleModel, radii: Array, pads: Array, re
         reserve: For rounding in the bounds of the motion, relative.
     """
     frames = np.array([part.frame for part in vehicle.parts], dtype=np.int64)
-    vertices, first = _flat([part.polygon for part in vehicle.parts])
-    result: Body = core().JudgeSingleTrackBody(motion, vertices, first, frames, radii, pads, reserve)
+    stack = PolygonStack(part.polygon for part in vehicle.parts)
+    result: Body = core().JudgeSingleTrackBody(motion, stack.vertices, stack.first, frames, radii, pads, reserve)
     return result
 
 
+_known: WeakKeyDictionary[PolygonStack, JudgeObstacles] = WeakKeyDictionary()
+
+
 def obstacles(polygons: Sequence[ConvexPolygon]) -> JudgeObstacles:
-    """Convex obstacle parts as barriers."""
-    result: JudgeObstacles = core().JudgeObstacles(*_flat(polygons))
+    """Convex obstacle parts as barriers; of a stack they are made once."""
+    stack = PolygonStack.of(polygons)
+    result: JudgeObstacles | None = _known.get(stack)
+    if result is None:
+        result = _known[stack] = core().JudgeObstacles(stack.vertices, stack.first)
     return result
 
 
@@ -120,10 +127,3 @@ def _filled(options: Any, values: dict[str, float]) -> Any:
     for name, value in values.items():
         setattr(options, name, value)
     return options
-
-
-def _flat(polygons: Sequence[ConvexPolygon]) -> tuple[Array, NDArray[np.int64]]:
-    """All vertices (n, 2) one after the other, and where each polygon's begin, with the end."""
-    sizes = [len(polygon.vertices) for polygon in polygons]
-    vertices = np.concatenate([polygon.vertices for polygon in polygons]) if polygons else np.zeros((0, 2))
-    return vertices, np.cumsum([0, *sizes], dtype=np.int64)

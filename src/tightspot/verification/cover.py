@@ -13,6 +13,7 @@ moment instead.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,6 +70,19 @@ class Cover:
     def clearance(self) -> float:
         """Proved lower bound over all pairs and times, m; infinite without pairs."""
         return float(self.proved.min(initial=np.inf))
+
+    @cached_property
+    def first(self) -> Index:
+        """Each pair's rows begin here and end where the next one's begin, shape (P+1,)."""
+        return np.searchsorted(self.pair, np.arange(self.holds.size + 1))
+
+    @cached_property
+    def cuts(self) -> Array:
+        """Of each pair the beginnings of its intervals and the end of the last, s, one pair after the other, (M+P,).
+
+        Those of pair p are ``cuts[first[p] + p : first[p + 1] + p + 1]``; every pair has an interval.
+        """
+        return np.insert(self.start, self.first[1:], self.end[self.first[1:] - 1])
 
 
 def cover(motion: Motion, pairs: Pairs, demand: float, *, resolution: float, floor: float) -> Cover:

@@ -25,4 +25,4 @@ def file_exact(scenario: Scenario, trajectory: Trajectory) -> tuple[Scenario, Tr
         if np.array_equal(rounded.states, trajectory.states):
             break
         trajectory = rounded
-    return Scenario.from_dict(scenario.to_dict()), trajectory
+    return scenario.as_filed, trajectory

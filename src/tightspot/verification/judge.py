@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,8 +17,6 @@ from tightspot.verification.certificate import (
     Certificate,
     Check,
     Integration,
-    ObstaclePart,
-    PairProof,
     WorkspaceProof,
     digest,
     package_version,
@@ -28,6 +26,7 @@ from tightspot.verification.checks import Limits, motion_checks
 from tightspot.verification.cover import Cover, cover
 from tightspot.verification.file_exact import file_exact
 from tightspot.verification.motion import Motion, ReplayedMotion
+from tightspot.verification.proofs import ObstacleParts, PairProofs
 from tightspot.verification.replay import METHOD, replay
 from tightspot.verification.witnesses import WORKSPACE_SLACK, obstacle_witnesses, workspace_witnesses
 
@@ -90,9 +89,8 @@ def verify(
         raise InputError(Problem("margin", f"{margin} m must be a finite length, 0 or more"))
     scenario, trajectory = file_exact(scenario, trajectory)
     played = replay(vehicle, trajectory, tolerance=settings.tolerance, in_core=settings.in_core)
-    names = [name for name, _ in scenario.obstacle_parts]
-    polygons = [polygon for _, polygon in scenario.obstacle_parts]
-    corners = np.concatenate([scenario.workspace.vertices, *(polygon.vertices for polygon in polygons)])
+    names, polygons = scenario.part_names, scenario.obstacle_polygons
+    corners = np.concatenate([scenario.workspace.vertices, polygons.vertices])
     motion = ReplayedMotion.of(played, extent=float(np.abs(corners).max()))
     pairs, walls = (
         ObstaclePairs(len(vehicle.parts), polygons),
@@ -112,8 +110,8 @@ def verify(
         clearance=clear.clearance,
         witnesses=tuple(sorted(witnesses, key=lambda witness: witness.clearance)),
         checks=tuple(checks),
-        obstacles=tuple(ObstaclePart(name, polygon.vertices) for name, polygon in scenario.obstacle_parts),
-        pairs=tuple(_pair_proofs(motion, pairs, clear, names)),
+        obstacles=ObstacleParts(scenario),
+        pairs=PairProofs(motion, pairs, clear, names),
         workspace=tuple(_workspace_proofs(motion, walls, inside)),
         integration=Integration(METHOD, played.nodes.size - 1, played.position_error, played.heading_error),
         offset=(float(scenario.offset[0]), float(scenario.offset[1])),
@@ -156,30 +154,10 @@ def _workspace_check(inside: Cover) -> Check:
     return Check("workspace", passed, inside.clearance, -WORKSPACE_SLACK, sentence)
 
 
-def _pair_proofs(motion: Motion, pairs: Pairs, clear: Cover, names: Sequence[str]) -> list[PairProof]:
-    """The proofs of the pairs that have one. The line lies midway between what is proved of both sides."""
-    middle = clear.support + 0.5 * (clear.proved + motion.pad[pairs.part[clear.pair]])
-    parts, obstacles = pairs.part.tolist(), pairs.barrier.tolist()
-    nx, ny = np.ascontiguousarray(clear.normal.T)
-    return [
-        PairProof(motion.names[parts[pair]], names[obstacles[pair]], cuts, nx[r], ny[r], middle[r], clear.proved[r])
-        for pair, r, cuts in _proved(clear)
-    ]
-
-
-def _workspace_proofs(motion: Motion, walls: Pairs, inside: Cover) -> list[WorkspaceProof]:
-    parts, edges = walls.part.tolist(), walls.barrier.tolist()
-    return [
-        WorkspaceProof(motion.names[parts[pair]], edges[pair], cuts, inside.proved[rows])
-        for pair, rows, cuts in _proved(inside)
-    ]
-
-
-def _proved(found: Cover) -> Iterator[tuple[int, slice, Array]]:
-    """(pair, its rows, its cuts) of every pair that holds: the beginnings of its intervals and the end of the last."""
-    bounds = np.searchsorted(found.pair, np.arange(found.holds.size + 1))
-    cuts = np.insert(found.start, bounds[1:], found.end[bounds[1:] - 1])
-    ends = bounds.tolist()
-    for pair in np.flatnonzero(found.holds).tolist():
-        first, last = ends[pair], ends[pair + 1]
-        yield pair, slice(first, last), cuts[first + pair : last + pair + 1]
+def _workspace_proofs(motion: Motion, walls: Pairs, inside: Cover) -> Iterator[WorkspaceProof]:
+    """The proofs of the pairs that have one."""
+    parts, edges, first = walls.part.tolist(), walls.barrier.tolist(), inside.first.tolist()
+    for pair in np.flatnonzero(inside.holds).tolist():
+        rows = slice(first[pair], first[pair + 1])
+        cuts = inside.cuts[rows.start + pair : rows.stop + pair + 1]
+        yield WorkspaceProof(motion.names[parts[pair]], edges[pair], cuts, inside.proved[rows])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.geometry import clearance, transform
+from tightspot.geometry import PolygonStack, clearance, transform
 from tightspot.scenarios import Scenario
 from tightspot.vehicles import VehicleModel
 from tightspot.verification import compiled
@@ -19,24 +19,52 @@ FAR = 8.0
 def sampled_clearance(states: Array, scenario: Scenario, vehicle: VehicleModel, far: float = FAR) -> Array:
     """Signed distance of every body part and obstacle part at the states (M, n_x), m, (M, parts, obstacle parts).
 
-    Of what is farther than ``far`` (m) it is the distance of the bounding boxes, which is no larger.
+    Of what is farther than ``far`` (m) it is the distance of bounding boxes, which is no larger: that of the body part
+    or that of all its places.
     """
-    polygons = [polygon for _, polygon in scenario.obstacle_parts]
-    barriers = compiled.obstacles(polygons) if compiled.is_there() else None
-    result = np.empty((len(states), len(vehicle.parts), len(polygons)))
-    for i, (part, poses) in enumerate(zip(vehicle.parts, _poses(states, vehicle), strict=True)):
-        if barriers is not None:
-            result[:, i] = compiled.clearances(part.polygon, poses, barriers, far).reshape(result[:, i].shape)
-            continue
-        body = transform(part.polygon.vertices, poses)
-        low, high = body.min(axis=1), body.max(axis=1)
-        for j, polygon in enumerate(polygons):
-            gaps = np.maximum(polygon.vertices.min(axis=0) - high, low - polygon.vertices.max(axis=0))
-            result[:, i, j] = np.hypot(*np.maximum(gaps, 0.0).T)
-            near = result[:, i, j] <= far
-            if near.any():
-                result[near, i, j] = clearance(body[near], polygon.vertices)
+    near, apart, found = near_clearance(states, scenario, vehicle, far)
+    result = np.empty((len(states), *apart.shape))
+    result[:] = apart
+    result[:, :, near] = found
     return result
+
+
+def near_clearance(
+    states: Array, scenario: Scenario, vehicle: VehicleModel, far: float = FAR
+) -> tuple[NDArray[np.intp], Array, Array]:
+    """:func:`sampled_clearance` where most obstacle parts are far away.
+
+    Returns:
+        Which obstacle parts may come nearer to a body part than ``far``, (n,); how far the bounding boxes of each
+        body part's whole motion and of each obstacle part are apart, m, (parts, obstacle parts); and what
+        :func:`sampled_clearance` says of the near ones, (M, parts, n).
+    """
+    polygons, poses = scenario.obstacle_polygons, _poses(states, vehicle)
+    bodies = [transform(part.polygon.vertices, at) for part, at in zip(vehicle.parts, poses, strict=True)]
+    apart = np.array([polygons.box_distances(body.reshape(-1, 2)) for body in bodies])
+    near = np.flatnonzero((apart <= far).any(axis=0))
+    chosen = polygons if near.size == len(polygons) else polygons.chosen(near)
+    barriers = compiled.obstacles(chosen) if compiled.is_there() else None
+    found = np.empty((len(states), len(vehicle.parts), near.size))
+    for i, (part, at, body) in enumerate(zip(vehicle.parts, poses, bodies, strict=True)):
+        if barriers is not None:
+            found[:, i] = compiled.clearances(part.polygon, at, barriers, far).reshape(found[:, i].shape)
+        else:
+            found[:, i] = _clearances(body, chosen, far)
+    return near, apart, found
+
+
+def _clearances(body: Array, polygons: PolygonStack, far: float) -> Array:
+    """Of a body part at its places (M, n, 2): see :func:`sampled_clearance`, (M, len(polygons))."""
+    low, high = body.min(axis=1), body.max(axis=1)
+    found = np.empty((len(body), len(polygons)))
+    for j, polygon in enumerate(polygons):
+        gaps = np.maximum(polygons.low[j] - high, low - polygons.high[j])
+        found[:, j] = np.hypot(*np.maximum(gaps, 0.0).T)
+        close = found[:, j] <= far
+        if close.any():
+            found[close, j] = clearance(body[close], polygon.vertices)
+    return found
 
 
 def sampled_room(states: Array, scenario: Scenario, vehicle: VehicleModel) -> Array:
