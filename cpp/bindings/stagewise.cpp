@@ -84,6 +84,24 @@ Polygons polygons(nb::handle problem, const char* vertices, const char* first) {
     return result;
 }
 
+std::vector<Motion> motions(nb::handle problem) {
+    const Indices obstacles = integers(problem, "motion_obstacles");
+    const Vector times = doubles(problem, "motion_times");
+    const Vector poses = doubles(problem, "motion_poses"), slopes = doubles(problem, "motion_slopes");
+    const std::size_t count = obstacles.size(), numbers = count == 0 ? 0 : poses.size() / count;
+    need(times.size() == count, "motion_times");
+    need(poses.size() == count * numbers, "motion_poses");
+    need(slopes.size() == poses.size(), "motion_slopes");
+    std::vector<Motion> result;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto own = [&](const Vector& all) {
+            return Vector(all.data() + i * numbers, all.data() + (i + 1) * numbers);
+        };
+        result.push_back({obstacles[i], times[i], own(poses), own(slopes)});
+    }
+    return result;
+}
+
 Problem to_problem(nb::handle from) {
     Problem problem;
     problem.widths = doubles(from, "widths");
@@ -105,7 +123,10 @@ Problem to_problem(nb::handle from) {
     need(sides.size() == origins.size(), "pair_sides");
     for (std::size_t i = 0; 3 * i < pairs.size(); ++i)
         problem.pairs.push_back({pairs[3 * i], pairs[3 * i + 1], pairs[3 * i + 2],
-                                 {origins[2 * i], origins[2 * i + 1]}, sides[2 * i], sides[2 * i + 1]});
+                                 {origins[2 * i], origins[2 * i + 1]}, sides[2 * i], sides[2 * i + 1], 0});
+    const Vector extras = doubles(from, "pair_extras");
+    need(extras.empty() || extras.size() == problem.pairs.size(), "pair_extras");
+    for (std::size_t i = 0; i < extras.size(); ++i) problem.pairs[i].extra = extras[i];
     const Indices walls = integers(from, "walls");
     const Vector lines = doubles(from, "wall_lines");
     need(walls.size() % 2 == 0 && lines.size() == walls.size() / 2 * 3, "wall_lines");
@@ -113,6 +134,7 @@ Problem to_problem(nb::handle from) {
         problem.walls.push_back(
             {walls[2 * i], walls[2 * i + 1], {lines[3 * i], lines[3 * i + 1]}, lines[3 * i + 2]});
     problem.pair_demands = demands(from, "pair_demands"), problem.wall_demands = demands(from, "wall_demands");
+    problem.motions = motions(from);
     return problem;
 }
 
@@ -164,16 +186,27 @@ Polygons polygons(const Array& vertices, const Integers& first, const char* what
     return result;
 }
 
-// (phi, offset, x, y) of every pair: see start_lines.hpp.
+// (phi, offset, x, y) of every pair: see start_lines.hpp. `frames` holds the poses (x, y, theta) of each moving obstacle's
+// frame at all samples.
 Table start_lines(const Array& states, const Integers& pieces, bool at_knots, const Array& part_vertices,
                   const Integers& part_first, const Array& obstacle_vertices, const Integers& obstacle_first,
-                  const Integers& pairs) {
+                  const Integers& pairs, const Integers& moving, const Array& frames) {
     const Polygons parts = polygons(part_vertices, part_first, "part_vertices");
     const Polygons obstacles = polygons(obstacle_vertices, obstacle_first, "obstacle_vertices");
     const Indices each = integers(pieces), wanted = integers(pairs);
     const int steps = static_cast<int>(each.size());
     need(states.ndim() == 2 && states.shape(0) == each.size() + 1 && states.shape(1) >= 3, "states");
-    for (int count : each) need(count >= 1, "pieces");
+    Indices first(1, 0), frame_of(static_cast<std::size_t>(obstacles.size()), -1);
+    for (int count : each) {
+        need(count >= 1 && count <= 1000, "pieces");
+        first.push_back(first.back() + count + 1);
+    }
+    need(frames.size() == moving.size() * 3 * static_cast<std::size_t>(first.back()), "motion_poses");
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        const std::int64_t obstacle = moving.data()[i];
+        need(obstacle >= 0 && obstacle < obstacles.size(), "motion_obstacles");
+        frame_of[static_cast<std::size_t>(obstacle)] = static_cast<int>(i);
+    }
     need(wanted.size() % 3 == 0, "pairs");
     const GuessedMotion motion{states.data(), static_cast<int>(states.shape(1)), each, at_knots};
     StartLines lines(parts, obstacles);
@@ -183,7 +216,9 @@ Table start_lines(const Array& states, const Integers& pieces, bool at_knots, co
         const int k = wanted[i], part = wanted[i + 1], obstacle = wanted[i + 2];
         need(k >= 0 && k < steps && part >= 0 && part < parts.size() && obstacle >= 0 && obstacle < obstacles.size(),
              "pairs");
-        const StartLine line = lines.of(motion, k, part, obstacle);
+        const int frame = frame_of[obstacle];
+        const double* poses = frame < 0 ? nullptr : frames.data() + 3 * (frame * first.back() + first[k]);
+        const StartLine line = lines.of(motion, k, part, obstacle, poses);
         for (double number : {line.phi, line.offset, line.x, line.y}) result.push_back(number);
     }
     return tightspot::table(std::move(result), 4);
@@ -441,5 +476,5 @@ void TIGHTSPOT_BIND_STAGEWISE(nb::module_& m) {
         .def_rw("warm", &Options::warm);
     bind_model<SingleTrack>(m, "StagewiseSingleTrack");
     m.def("stagewise_start_lines", &start_lines, "states"_a, "pieces"_a, "at_knots"_a, "part_vertices"_a, "part_first"_a,
-          "obstacle_vertices"_a, "obstacle_first"_a, "pairs"_a);
+          "obstacle_vertices"_a, "obstacle_first"_a, "pairs"_a, "motion_obstacles"_a, "motion_poses"_a);
 }

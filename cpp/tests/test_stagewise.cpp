@@ -83,6 +83,19 @@ Outcome solve(Problem p, Options options = {}) {
     return solver.solve(options);
 }
 
+// Gives obstacle 0 the motion o(t) = from + t * rate for every knot's time t = share * t_f; poses are those at t_f = 10.
+void move(Problem& p, const std::vector<double>& from, const std::vector<double>& rate) {
+    Motion motion;
+    motion.time = 10;
+    for (int k = 0; k < p.steps; ++k)
+        for (int s = 0; s <= p.pieces[k]; ++s)
+            for (int i = 0; i < 3; ++i) {
+                const double share = (k + static_cast<double>(s) / p.pieces[k]) / p.steps;
+                motion.poses.push_back(from[i] + 10 * share * rate[i]), motion.slopes.push_back(share * rate[i]);
+            }
+    p.motions.push_back(motion);
+}
+
 }  // namespace
 
 TEST(stagewise_step_derivatives_are_those_of_the_step) {
@@ -202,6 +215,51 @@ TEST(stagewise_starts_from_the_lines_that_separate_best) {
     CHECK_CLOSE(right.x, 4, 1e-12);
 }
 
+TEST(stagewise_starts_lines_from_where_the_obstacle_is) {
+    const Vector states = {0, 0, 0, 0, 2, 0, 0, 0}, frames = {0, 0, 0, 2, -9, pi / 2};
+    const Indices pieces = {1};
+    StartLines lines(boxes({{-1, 1, -1, 1}}), boxes({{-1, 1, -1, 1}}));
+    const StartLine below = lines.of({states.data(), 4, pieces, true}, 0, 0, 0, frames.data());
+    CHECK_CLOSE(below.phi, 0, 1e-12);  // above the obstacle is ahead in its frame
+    CHECK_CLOSE(below.offset, (8 + 1) / 2.0, 1e-12);
+    CHECK_CLOSE(below.x, 4.5, 1e-12);
+    CHECK_CLOSE(below.y, 0, 1e-12);
+}
+
+TEST(stagewise_sees_a_frame_that_stands_like_the_world) {
+    for (int pieces : {1, 2}) {
+        Problem turned = problem(9, {{-0.9, 0.9, -1.5, 1.5}}, pieces);
+        move(turned, {5.5, 4.1, pi / 2}, {0, 0, 0});
+        for (Pair& pair : turned.pairs) pair.origin[0] = pair.origin[1] = 0;
+        Solver solver(turned);
+        start(solver);
+        for (int i = 0; i < 9; ++i) solver.point.v[solver.layout().aux(i)] = pi;  // behind it, in its frame
+        const Outcome outcome = solver.solve(Options{});
+        CHECK(outcome.status == Status::solved);
+        CHECK_CLOSE(outcome.objective, solve(problem(9, {{4, 7, 3.2, 5}}, pieces)).objective, 1e-6);
+    }
+}
+
+TEST(stagewise_derivatives_along_the_final_time_of_a_turning_obstacle) {
+    Problem moving = problem(4, {{-0.9, 0.9, -1.5, 1.5}, {4, 7, 3.2, 5}}, 2);
+    move(moving, {5.5, 4.1, 0.4}, {0.3, -0.2, 0.25});
+    Solver solver(moving);
+    start(solver);
+    Vector& v = solver.point.v;
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] += 0.1 * std::sin(3.7 * static_cast<double>(i));
+    for (std::size_t i = 0; i < solver.point.lam.size(); ++i) solver.point.lam[i] = std::cos(static_cast<double>(i));
+    const int time = solver.layout().time;
+    const std::size_t n = v.size(), row = static_cast<std::size_t>(time) * n;
+    const auto here = solver.lagrangian();
+    const double step = 1e-6;
+    v[time] += step;
+    const auto ahead = solver.lagrangian();
+    v[time] -= 2 * step;
+    const auto behind = solver.lagrangian();
+    for (std::size_t i = 0; i < n; ++i)
+        CHECK_CLOSE((ahead.gradient[i] - behind.gradient[i]) / (2 * step), here.hessian[row + i], 1e-4);
+}
+
 TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
     const Outcome free = solve(problem(9, {}));
     CHECK(free.status == Status::solved);
@@ -249,6 +307,14 @@ TEST(stagewise_allocates_nothing_while_it_solves) {
     const Outcome outcome = solver.solve(Options{});
     CHECK(outcome.status == Status::solved);
     CHECK(allocations == before + 1);
+    Problem with_motion = problem(9, {{-1.5, 1.5, -0.9, 0.9}}, 2);
+    move(with_motion, {5.5, 4.1, 0.1}, {0.1, 0.05, 0.02});
+    Solver other(with_motion);
+    start(other);
+    other.log.reserve(10001);
+    const long after = allocations;
+    other.solve(Options{});
+    CHECK(allocations == after);
 }
 
 TEST(stagewise_limits_and_stops) {
@@ -324,6 +390,14 @@ TEST(stagewise_names_what_cannot_be_used) {
     CHECK(wrong([](Problem& p) { std::swap(p.walls.front(), p.walls.back()); }) == "walls");
     CHECK(wrong([](Problem& p) { p.obstacles.x[1] = infinity; }) == "obstacle_vertices");
     CHECK(wrong([](Problem& p) { p.pair_demands.pop_back(); }) == "pair_demands");
+    CHECK(wrong([](Problem& p) { p.pairs[1].extra = nan_; }) == "pair_extras");
+    CHECK(wrong([](Problem& p) { move(p, {0, 0, 0}, {0, 0, 0}), p.motions[0].obstacle = 1; }) == "motion_obstacles");
+    CHECK(wrong([](Problem& p) { move(p, {0, 0, 0}, {0, 0, 0}), p.motions.push_back(p.motions[0]); }) ==
+          "motion_obstacles");
+    CHECK(wrong([](Problem& p) { move(p, {0, 0, 0}, {0, 0, 0}), p.motions[0].time = nan_; }) == "motion_times");
+    CHECK(wrong([](Problem& p) { move(p, {0, nan_, 0}, {0, 0, 0}); }) == "motion_poses");
+    CHECK(wrong([](Problem& p) { move(p, {0, 0, 0}, {0, 0, 0}), p.motions[0].slopes.pop_back(); }) ==
+          "motion_slopes");
     CHECK(wrong([](Problem& p) { p.wall_demands[1].constant = nan_; }) == "wall_demands");
 }
 
@@ -360,6 +434,11 @@ Problem hostile(Dice& dice) {
     if (dice.one_in(8)) p.widths[0] = dice.hostile();
     if (dice.one_in(8) && !p.obstacles.x.empty()) p.obstacles.x[0] = dice.hostile();
     if (dice.one_in(8)) p.state_high[3] = dice.hostile();
+    if (p.obstacles.size() > 0 && dice.one_in(3)) {
+        const double much = dice.one_in(4) ? 1e6 : 1;
+        const auto any = [&] { return dice.one_in(40) ? dice.hostile() : much * dice.between(-2, 2); };
+        move(p, {any(), any(), any()}, {any(), any(), any()});
+    }
     return p;
 }
 

@@ -62,8 +62,9 @@ def composed(nlp, problem):
     for place, index in enumerate([*states, *inputs, order.time]):
         x[int(index)] = y[place]
     first = states.size + inputs.size + 1
+    moving = {int(obstacle): m for m, obstacle in enumerate(problem.motion_obstacles)}
     for i in range(n_pairs):
-        phi, k = y[first + 2 * i], int(problem.pairs[i, 0])
+        phi, k, obstacle = y[first + 2 * i], int(problem.pairs[i, 0]), int(problem.pairs[i, 2])
         n = ca.vertcat(ca.cos(phi), ca.sin(phi))
         mu = y[first + 2 * i + 1] + ca.dot(n, problem.pair_origins[i])
         at, pose = int(order.lines[i]), y[(k + 1) * n_x : (k + 1) * n_x + 3]
@@ -71,6 +72,14 @@ def composed(nlp, problem):
         if problem.form.vector:
             values = [n[0], n[1], mu]
         elif problem.form.in_body:
+            if obstacle in moving:
+                m, sample = moving[obstacle], int(np.cumsum(problem.pieces + 1)[k] - 1)
+                ahead = y[first - 1] - problem.motion_times[m]
+                frame = ca.DM(problem.motion_poses[m, sample]) + ahead * ca.DM(problem.motion_slopes[m, sample])
+                turned = ca.vertcat(
+                    ca.horzcat(ca.cos(frame[2]), ca.sin(frame[2])), ca.horzcat(-ca.sin(frame[2]), ca.cos(frame[2]))
+                )
+                pose = ca.vertcat(turned @ (pose[:2] - frame[:2]), pose[2] - frame[2])
             values = [phi - pose[2], mu - ca.dot(n, pose[:2])]
         for offset, value in enumerate(values):
             x[at + offset] = value
@@ -88,7 +97,11 @@ CASES = [
 
 @pytest.mark.parametrize(("member", "changes"), CASES)
 def test_same_objective_rows_and_derivatives(member, changes):
-    nlp, problem = both(member(), **changes)
+    compare(*both(member(), **changes))
+
+
+def compare(nlp, problem):
+    """Both programs at a random point: values, gradient and Hessian of the Lagrangian."""
     y, x, order = composed(nlp, problem)
     assert order.time + 1 == nlp.n_variables
     assert order.n_rows == nlp.n_rows
@@ -115,7 +128,11 @@ def test_same_objective_rows_and_derivatives(member, changes):
 
 @pytest.mark.parametrize("member", FORMULATIONS)
 def test_starts_at_the_same_point(member):
-    nlp, problem = both(member())
+    same_start(*both(member()))
+
+
+def same_start(nlp, problem):
+    """States, inputs, t_f and lines that both begin with."""
     order = order_of(problem)
     core = CorePoint(problem.starting_point(), *(np.zeros(1),) * 6)
     rows, dynamics = np.zeros(order.rows.size), np.zeros(order.dynamics.size)

@@ -56,3 +56,15 @@ def nearest_angle(angle: ArrayLike, reference: ArrayLike) -> Array | float:
     """``angle + 2 pi k`` with the integer k that brings it nearest to the reference, rad."""
     angle, reference = np.asarray(angle, dtype=float), np.asarray(reference, dtype=float)
     return np.asarray(angle - 2 * np.pi * np.round((angle - reference) / (2 * np.pi)))[()]
+
+
+def seen_from(poses: ArrayLike, frames: ArrayLike) -> Array:
+    """Poses (..., 3) in the coordinates of frames whose own poses are (..., 3): ``(R' (p - p_o), theta - theta_o)``.
+
+    >>> seen_from([1.0, 1.0, 0.5], [1.0, 0.0, np.pi / 2]).round(2).tolist()
+    [1.0, 0.0, -1.07]
+    """
+    poses, frames = np.asarray(poses, dtype=float), np.asarray(frames, dtype=float)
+    dx, dy, turn = np.moveaxis(poses - frames, -1, 0)
+    cos, sin = np.cos(frames[..., 2]), np.sin(frames[..., 2])
+    return np.stack([cos * dx + sin * dy, cos * dy - sin * dx, turn], axis=-1)

@@ -85,7 +85,7 @@ class StageOrder:
         states, inputs, final_time, lines = problem.unpack(core.v)
         x = np.empty(self.time + 1)
         x[self.states], x[self.inputs], x[self.time] = states, inputs, final_time
-        self._write_lines(x, lines, states)
+        self._write_lines(x, lines, states, final_time)
         lam_x = np.zeros(x.size)
         n = states.size + inputs.size
         lam_x[self.states] = core.bounds[: states.size].reshape(states.shape)
@@ -100,13 +100,13 @@ class StageOrder:
             lam_g[self.units] = self._unit_multipliers(core)
         return NlpPoint(x, g, lam_x, lam_g)
 
-    def _write_lines(self, x: Array, lines: Array, states: Array) -> None:
+    def _write_lines(self, x: Array, lines: Array, states: Array, final_time: float) -> None:
         form = self.problem.form
         phi, mu = lines.T
         if form.vector:
             x[self.lines], x[self.lines + 1], x[self.lines + 2] = np.cos(phi), np.sin(phi), mu
         elif form.in_body:
-            pose = states[self.problem.pairs[:, 0] + 1]
+            pose = self.problem.poses_at_ends(states, final_time)
             x[self.lines] = phi - pose[:, 2]
             x[self.lines + 1] = mu - np.cos(phi) * pose[:, 0] - np.sin(phi) * pose[:, 1]
         else:

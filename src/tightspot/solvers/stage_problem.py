@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from tightspot.geometry.transforms import seen_from
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -40,6 +42,9 @@ class StageProblem:
     Samples of interval k: x_k, the states after each of its pieces but the last, and x_{k+1}; S in all. A demand is
     ``constant + weight * cover``, where the cover is the vehicle's acceleration bound times the piece's duration
     squared over 8 (see :meth:`tightspot.vehicles.VehicleModel.acceleration_bound`).
+
+    An obstacle part may move: its frame's pose at a sample is ``motion_poses + (t_f - motion_times) motion_slopes``.
+    Its vertices, and the lines of its pairs, are in that frame.
 
     SI units; N intervals, n_x states, n_u inputs.
 
@@ -77,6 +82,11 @@ class StageProblem:
         final_time: s.
         lines: (phi, mu) of each pair, mu measured from the world's origin, (n, 2).
         form: How x and the multipliers of reports write lines.
+        pair_extras: What is demanded on the body's side beyond ``pair_demands``, m, (n,); empty: nothing.
+        motion_obstacles: The obstacle parts that move, (M,).
+        motion_times: The final time for which poses are given, s, (M,).
+        motion_poses: (x, y, theta) of each one's frame at each sample, (M, S, 3).
+        motion_slopes: Their derivatives with respect to t_f, (M, S, 3).
     """
 
     model: str
@@ -112,6 +122,11 @@ class StageProblem:
     final_time: float
     lines: Array
     form: LineForm
+    pair_extras: Array = field(default_factory=lambda: np.zeros(0))
+    motion_obstacles: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    motion_times: Array = field(default_factory=lambda: np.zeros(0))
+    motion_poses: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    motion_slopes: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
 
     @property
     def steps(self) -> int:
@@ -132,6 +147,20 @@ class StageProblem:
         states, rest = v[: (steps + 1) * n_x].reshape(steps + 1, n_x), v[(steps + 1) * n_x :]
         inputs, rest = rest[: steps * n_u].reshape(steps, n_u), rest[steps * n_u :]
         return states, inputs, float(rest[0]), self._shifted(rest[1:].reshape(-1, 2), 1.0)
+
+    def frames(self, final_time: float) -> Array:
+        """Poses of the moving obstacles' frames at each sample, (M, S, 3)."""
+        ahead = final_time - self.motion_times
+        return np.ascontiguousarray(self.motion_poses + ahead[:, None, None] * self.motion_slopes)
+
+    def poses_at_ends(self, states: Array, final_time: float) -> Array:
+        """The vehicle's pose at the end of each pair's interval, (n, 3), in the frame of the obstacle if that moves."""
+        poses = states[self.pairs[:, 0] + 1, :3]
+        last = np.cumsum(self.pieces + 1) - 1
+        for obstacle, frames in zip(self.motion_obstacles, self.frames(final_time), strict=True):
+            mine = self.pairs[:, 2] == obstacle
+            poses[mine] = seen_from(poses[mine], frames[last[self.pairs[mine, 0]]])
+        return poses
 
     def _shifted(self, lines: Array, sign: float) -> Array:
         phi, mu = lines.T

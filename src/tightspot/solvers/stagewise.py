@@ -513,16 +513,23 @@ def start_lines(
     obstacle_first: NDArray[np.int64],
     *,
     at_knots: bool,
+    moving: NDArray[np.int64] | None = None,
+    frames: Array | None = None,
 ) -> tuple[Array, Array]:
     """Lines (phi, mu) of pairs to start from, (n, 2), and the points next to the body to measure them from, (n, 2).
 
     As :func:`tightspot.formulations.lines.line_of_guess`: the best normal at the interval's middle pose, and the offset
     midway between the obstacle and the body at all the interval's poses, interpolated between the knots, or at the last
-    one alone. The arrays are those of a :class:`StageProblem`; the states are the guess's.
+    one alone. The arrays are those of a :class:`StageProblem`; the states are the guess's. Obstacles that move
+    (``moving``, (M,)) have lines and points in their frames, whose poses at each sample are ``frames``, (M, S, 3).
     """
     states = np.ascontiguousarray(states)
     polygons = (part_vertices, part_first, obstacle_vertices, obstacle_first)
-    table = _core().stagewise_start_lines(states, pieces, at_knots, *polygons, np.ascontiguousarray(pairs))
+    moving = np.zeros(0, np.int64) if moving is None else moving
+    frames = np.zeros((0, 0, 3)) if frames is None else frames
+    table = _core().stagewise_start_lines(
+        states, pieces, at_knots, *polygons, np.ascontiguousarray(pairs), moving, frames
+    )
     return np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:])
 
 
@@ -531,7 +538,10 @@ def with_states(problem: StageProblem, states: Array, inputs: Array, final_time:
     first = np.concatenate([[0], np.cumsum(problem.pieces + 1)[:-1]])
     at_knots = bool(np.isnan(problem.pair_demands[first, 0]).all())
     polygons = (problem.part_vertices, problem.part_first, problem.obstacle_vertices, problem.obstacle_first)
-    lines, origins = start_lines(states, problem.pieces, problem.pairs, *polygons, at_knots=at_knots)
+    moving, frames = problem.motion_obstacles, problem.frames(final_time)
+    lines, origins = start_lines(
+        states, problem.pieces, problem.pairs, *polygons, at_knots=at_knots, moving=moving, frames=frames
+    )
     return problem.replaced(states=states, inputs=inputs, final_time=final_time, lines=lines, pair_origins=origins)
 
 

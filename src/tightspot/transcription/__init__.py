@@ -2,6 +2,7 @@
 
 from tightspot.transcription.counts import Counts, counts
 from tightspot.transcription.grid import TimeGrid
+from tightspot.transcription.motions import MovingObstacle, ObstacleMotion, TimedPoses
 from tightspot.transcription.objective import EnergyForm, Objective
 from tightspot.transcription.sampling import resample
 from tightspot.transcription.stage_problem import fits_stages, stage_problem
@@ -11,9 +12,12 @@ from tightspot.transcription.transfer import carry_lines, carry_over, moved_ends
 __all__ = [
     "Counts",
     "EnergyForm",
+    "MovingObstacle",
     "Objective",
+    "ObstacleMotion",
     "Settings",
     "TimeGrid",
+    "TimedPoses",
     "Transcription",
     "carry_lines",
     "carry_over",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -32,6 +32,7 @@ class Shape:
         active: Pairs in the program, (N, parts, obstacle parts).
         walls: Half-planes of W in the program, (N, parts, edges).
         fixed_poses: Whether the poses at the start and at the goal are given.
+        moving: How many of the obstacle parts move; they are the last ones.
     """
 
     obstacles: tuple[int, ...]
@@ -39,6 +40,17 @@ class Shape:
     active: NDArray[np.bool_]
     walls: NDArray[np.bool_]
     fixed_poses: tuple[bool, bool]
+    moving: int = 0
+
+
+class Motion(NamedTuple):
+    """A moving obstacle's parameters, see :class:`tightspot.transcription.moving.MotionArrays`: (S, 3), (S, 3), 1 and
+    (N, parts)."""
+
+    poses: Any
+    slopes: Any
+    time: Any
+    extras: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +83,8 @@ class Builder:
         self.n = self.m = 0
         self.penalty: Any = 0.0
         self.final_time = ca.SX.sym("t_f")
-        self._parameters()
         self.pieces = settings.pieces(grid.steps)
+        self._parameters()
         self.lines: dict[tuple[int, int, int], slice] = {}
 
     def _parameters(self) -> None:
@@ -98,6 +110,17 @@ class Builder:
         entries = ca.SX.sym("E", pattern.nnz())
         self.wall_normals, self.wall_offsets = ca.SX(pattern, entries), ca.SX.sym("f", len(self.shape.walls_pattern))
         self.p += [entries, self.wall_offsets]
+        self.motions: dict[int, Motion] = {}
+        samples, parts = sum(self.pieces) + self.grid.steps, len(self.vehicle.parts)
+        for index in range(len(self.shape.obstacles) - self.shape.moving, len(self.shape.obstacles)):
+            motion = Motion(
+                ca.SX.sym(f"Q{index}", samples, 3),
+                ca.SX.sym(f"dQ{index}", samples, 3),
+                ca.SX.sym(f"t_ref{index}"),
+                ca.SX.sym(f"e{index}", self.grid.steps, parts),
+            )
+            self.motions[index] = motion
+            self.p += [ca.vec(symbol) for symbol in motion]
 
     def build(self) -> Symbols:
         """The program's symbols."""
@@ -185,6 +208,18 @@ class Builder:
     def _poses(self, part: BodyPart, samples: list[Any]) -> tuple[Pose, ...]:
         return tuple(Pose(*self.vehicle.frames(ca.vertsplit(state), ca)[part.frame]) for state in samples)
 
+    def _seen(self, k: int, poses: tuple[Pose, ...], motion: Motion) -> tuple[Pose, ...]:
+        """Poses on interval [t_{k-1}, t_k], seen from a moving obstacle's frame; one alone is that at t_k."""
+        last = sum(self.pieces[:k]) + k - 1
+        seen = []
+        for sample, pose in zip(range(last + 1 - len(poses), last + 1), poses, strict=True):
+            x, y, theta = ca.horzsplit(
+                motion.poses[sample, :] + (self.final_time - motion.time) * motion.slopes[sample, :]
+            )
+            c, s, dx, dy = ca.cos(theta), ca.sin(theta), pose.x - x, pose.y - y
+            seen.append(Pose(c * dx + s * dy, c * dy - s * dx, pose.theta - theta))
+        return tuple(seen)
+
     def _cover(self, k: int, part: BodyPart, states: list[Any], inputs: list[Any]) -> Any:
         """How far a point of the part can leave its chord between two poses of interval [t_{k-1}, t_k], m.
 
@@ -233,7 +268,12 @@ class Builder:
         margins = tuple(self.end_margin if end else margin for end in fixed)
         symbols = self.obstacle_symbols[obstacle_index]
         poly = part.polygon
-        pair = Pair(self._poses(part, samples), poly.vertices, poly.A, poly.b, *symbols, margins)
+        poses = self._poses(part, samples)
+        if obstacle_index in self.motions:
+            motion = self.motions[obstacle_index]
+            poses = self._seen(k, poses, motion)
+            margins = tuple(demanded + motion.extras[k - 1, part_index] for demanded in margins)
+        pair = Pair(poses, poly.vertices, poly.A, poly.b, *symbols, margins)
         count = formulation.auxiliary_bounds(len(poly.vertices), corners)[0].size
         auxiliary, place = self._variables(f"aux{k}_{part_index}_{obstacle_index}", count)
         self.lines[k - 1, part_index, obstacle_index] = place

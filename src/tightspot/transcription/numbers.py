@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.geometry.polygon import ConvexPolygon
-from tightspot.scenarios.scenario import Scenario
+from tightspot.geometry.transforms import seen_from
 from tightspot.solvers.nlp import Nlp, RowBlock
 from tightspot.trajectory import Trajectory
 from tightspot.transcription.builder import Symbols
+from tightspot.transcription.moving import MotionArrays
 from tightspot.vehicles.base import BodyPart, VehicleModel
 
 if TYPE_CHECKING:
@@ -25,14 +26,19 @@ Array = NDArray[np.float64]
 def with_numbers(
     symbols: Symbols,
     vehicle: VehicleModel,
-    scenario: Scenario,
+    workspace: ConvexPolygon,
+    named: Sequence[tuple[str, ConvexPolygon]],
     settings: Settings,
     start: Array,
     goal: Array,
     guess: Trajectory,
+    moving: MotionArrays,
 ) -> Nlp:
-    """The program from start (n_x,) to goal (n_x,), NaN meaning free, started at the guess on the program's grid."""
-    obstacles = scenario.obstacle_polygons
+    """The program from start (n_x,) to goal (n_x,), NaN meaning free, started at the guess on the program's grid.
+
+    ``named`` are all obstacle parts with their names, those that move last.
+    """
+    obstacles = [polygon for _, polygon in named]
     count = symbols.x.numel()
     lower, upper, first = np.full(count, -np.inf), np.full(count, np.inf), np.zeros(count)
     low, high = state_bounds(vehicle, settings)
@@ -47,22 +53,26 @@ def with_numbers(
     lower[symbols.shared], upper[symbols.shared] = settings.final_time_bounds
     first[symbols.shared] = guess.duration
     pieces = settings.pieces(len(symbols.stages) - 1)
+    final_time = float(np.clip(guess.duration, *settings.final_time_bounds))
+    frames = dict(zip(moving.obstacles, moving.frames(final_time), strict=True))
     for (k, part, obstacle), place in symbols.lines.items():
         body, polygon = vehicle.parts[part], obstacles[obstacle]
         sizes = len(body.polygon.vertices), len(polygon.vertices)
         lower[place], upper[place] = settings.formulation.auxiliary_bounds(*sizes)
         poses = _guess_poses(vehicle, body, guess, k, pieces[k], settings)
+        if obstacle in frames:
+            after = sum(pieces[: k + 1]) + k + 1
+            poses = seen_from(poses, frames[obstacle][after - poses.shape[1] : after])
         first[place] = settings.formulation.start(poses, body.polygon, polygon)[0]
     return Nlp(
         symbols.x, symbols.p, symbols.f, symbols.g, lower, upper, symbols.lbg, symbols.ubg,
-        np.clip(first, lower, upper), _parameters(scenario.workspace, obstacles, settings), symbols.stages,
-        _named(symbols, scenario), symbols.shared,
+        np.clip(first, lower, upper), _parameters(workspace, obstacles, settings, moving), symbols.stages,
+        _named(symbols, [name for name, _ in named]), symbols.shared,
     )  # fmt: skip
 
 
-def _named(symbols: Symbols, scenario: Scenario) -> tuple[RowBlock, ...]:
+def _named(symbols: Symbols, names: Sequence[str]) -> tuple[RowBlock, ...]:
     """The blocks with the obstacles' names: "body against wall/0"."""
-    names = [name for name, _ in scenario.obstacle_parts]
     return tuple(
         replace(block, detail=f"{block.detail} against {names[block.key[1]]}") if block.kind == "separation" else block
         for block in symbols.blocks
@@ -76,7 +86,9 @@ def state_bounds(vehicle: VehicleModel, settings: Settings) -> tuple[Array, Arra
     return low, high
 
 
-def _parameters(workspace: ConvexPolygon, obstacles: Sequence[ConvexPolygon], settings: Settings) -> Array:
+def _parameters(
+    workspace: ConvexPolygon, obstacles: Sequence[ConvexPolygon], settings: Settings, moving: MotionArrays
+) -> Array:
     objective = settings.objective
     end = settings.margin if settings.end_margin is None else settings.end_margin
     margins = [settings.margin, end, settings.workspace_margin]
@@ -84,7 +96,7 @@ def _parameters(workspace: ConvexPolygon, obstacles: Sequence[ConvexPolygon], se
     for polygon in obstacles:
         p += [polygon.vertices.ravel("F"), polygon.A.ravel("F"), polygon.b]
     normals = workspace.A.ravel("F")
-    return np.concatenate([*p, normals[normals != 0], workspace.b])
+    return np.concatenate([*p, normals[normals != 0], workspace.b, *moving.numbers()])
 
 
 def _guess_poses(

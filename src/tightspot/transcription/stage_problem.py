@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,8 @@ from tightspot.solvers.stage_problem import LineForm, StageProblem
 from tightspot.solvers.stagewise import start_lines
 from tightspot.trajectory import Trajectory
 from tightspot.transcription.grid import TimeGrid
+from tightspot.transcription.motions import ObstacleMotion
+from tightspot.transcription.moving import MotionArrays, with_moving
 from tightspot.transcription.objective import EnergyForm
 from tightspot.transcription.sampling import resample
 from tightspot.transcription.transcribe import Settings, _misfits, _with_usable_margins
@@ -47,6 +51,7 @@ def stage_problem(
     walls: NDArray[np.bool_] | None = None,
     start: Array | None = None,
     goal: Array | None = None,
+    motions: Sequence[ObstacleMotion] = (),
 ) -> StageProblem:
     """The arguments of :func:`tightspot.transcription.transcribe`, and the same program, without any symbols.
 
@@ -55,7 +60,7 @@ def stage_problem(
             the formulation (see :func:`fits_stages`).
         BuildError: The compiled core is missing.
     """
-    obstacles = scenario.obstacle_polygons
+    obstacles = with_moving(scenario.obstacle_polygons, motions)
     shape = (grid.steps, len(vehicle.parts))
     active = np.ones((*shape, len(obstacles)), bool) if active is None else active
     walls = np.ones((*shape, len(scenario.workspace.b)), bool) if walls is None else walls
@@ -74,7 +79,8 @@ def stage_problem(
     goal[2] = nearest_angle(goal[2], guess.states[-1, 2])
     start[2] = nearest_angle(start[2], guess.states[0, 2])
     settings = _with_usable_margins(settings)
-    return _arrays(scenario, vehicle, obstacles, guess, settings, grid, active, walls, start, goal)
+    moving = MotionArrays.of(motions, len(obstacles) - len(motions), vehicle, settings, grid)
+    return _arrays(scenario, vehicle, obstacles, guess, settings, grid, active, walls, start, goal, moving)
 
 
 def _arrays(
@@ -88,6 +94,7 @@ def _arrays(
     walls: NDArray[np.bool_],
     start: Array,
     goal: Array,
+    moving: MotionArrays,
 ) -> StageProblem:
     assert isinstance(vehicle, SingleTrack)
     pieces = np.array(settings.pieces(grid.steps), np.int64)
@@ -105,7 +112,14 @@ def _arrays(
     parts = PolygonStack(part.polygon for part in vehicle.parts)
     at_knots = settings.formulation.holds == "knots"
     polygons = (parts.vertices, parts.first, obstacles.vertices, obstacles.first)
-    lines, origins = start_lines(guess.states, pieces, pairs, *polygons, at_knots=at_knots)
+    final_time = float(np.clip(guess.duration, time_low, time_high))
+    frames = moving.frames(final_time)
+    lines, origins = start_lines(
+        guess.states, pieces, pairs, *polygons, at_knots=at_knots, moving=moving.obstacles, frames=frames
+    )
+    extras = moving.extras[tuple(pairs.T)] / 2 if moving.obstacles.size else np.zeros(0)
+    pair_sides = np.ascontiguousarray(sides[pairs[:, 0]])
+    pair_sides[: extras.size, 0] += extras
     return StageProblem(
         model="single_track",
         parameters=np.array([vehicle.wheelbase, steering, np.tan(steering)]),
@@ -130,16 +144,21 @@ def _arrays(
         obstacle_first=obstacles.first,
         pairs=pairs,
         pair_origins=origins,
-        pair_sides=np.ascontiguousarray(sides[pairs[:, 0]]),
+        pair_sides=pair_sides,
         walls=np.ascontiguousarray(wall_indices[:, :2]),
         wall_lines=np.column_stack([scenario.workspace.A[edges], scenario.workspace.b[edges]]),
         pair_demands=pair_demands,
         wall_demands=wall_demands,
         states=states,
         inputs=np.clip(guess.inputs, *vehicle.input_bounds),
-        final_time=float(np.clip(guess.duration, time_low, time_high)),
+        final_time=final_time,
         lines=lines,
         form=_FORMS[type(settings.formulation)],
+        pair_extras=extras,
+        motion_obstacles=moving.obstacles,
+        motion_times=moving.times,
+        motion_poses=moving.poses,
+        motion_slopes=moving.slopes,
     )
 
 

@@ -61,6 +61,7 @@ def _key(vehicle: VehicleModel, settings: Settings, grid: TimeGrid, shape: Shape
         shape.obstacles,
         *((mask.shape, mask.tobytes()) for mask in (shape.walls_pattern, shape.active, shape.walls)),
         shape.fixed_poses,
+        shape.moving,
     )
     try:
         digest = hashlib.sha256(pickle.dumps(numbers)).digest()

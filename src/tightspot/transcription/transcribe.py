@@ -5,7 +5,7 @@ The only room that knows both the horizon and a formulation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,6 +19,8 @@ from tightspot.solvers.nlp import Nlp
 from tightspot.trajectory import Trajectory
 from tightspot.transcription.builder import Shape
 from tightspot.transcription.grid import TimeGrid
+from tightspot.transcription.motions import ObstacleMotion
+from tightspot.transcription.moving import MotionArrays, with_moving
 from tightspot.transcription.numbers import with_numbers
 from tightspot.transcription.objective import Objective
 from tightspot.transcription.sampling import resample
@@ -141,6 +143,7 @@ def transcribe(
     walls: NDArray[np.bool_] | None = None,
     start: Array | None = None,
     goal: Array | None = None,
+    motions: Sequence[ObstacleMotion] = (),
 ) -> Transcription:
     """Write the planning problem as a nonlinear program, started at the guess.
 
@@ -156,17 +159,19 @@ def transcribe(
         guess: Any timed trajectory; it is resampled onto the grid and clipped into the bounds.
         settings: Discretisation, objective, formulation, margins.
         grid: Knots.
-        active: Pairs to include, (N, parts, obstacle parts); all if ``None``.
+        active: Pairs to include, (N, parts, obstacle parts), those that move last; all if ``None``.
         walls: Half-planes of W to include, (N, parts, edges of W); all if ``None``.
         start: Replaces the scenario's start state, (n_x,), NaN meaning free: for models with another state.
         goal: Replaces the scenario's goal state.
+        motions: Obstacle parts that move, besides the scenario's. Their pairs are written in their frames: the
+            formulation sees the vehicle's poses from there, which depend on t_f.
 
     Raises:
         InputError: If an argument does not fit the others.
 
     Reference: paper, section 6, eq. (22).
     """
-    obstacles = scenario.obstacle_polygons
+    obstacles = with_moving(scenario.obstacle_polygons, motions)
     shapes = {
         name: (grid.steps, len(vehicle.parts), count)
         for name, count in (("active", len(obstacles)), ("walls", len(scenario.workspace.b)))
@@ -192,9 +197,12 @@ def transcribe(
         active=active,
         walls=walls,
         fixed_poses=(not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any()),
+        moving=len(motions),
     )
+    moving = MotionArrays.of(motions, len(obstacles) - len(motions), vehicle, settings, grid)
     symbols = symbols_for(vehicle, settings, grid, structure)
-    nlp = with_numbers(symbols, vehicle, scenario, settings, start, goal, onto_grid)
+    named = [*scenario.obstacle_parts, *((motion.name, motion.polygon) for motion in motions)]
+    nlp = with_numbers(symbols, vehicle, scenario.workspace, named, settings, start, goal, onto_grid, moving)
     return Transcription(nlp, grid, settings, active, vehicle, symbols.lines)
 
 

@@ -110,6 +110,13 @@ class VehicleModel(ABC):
             One :class:`MotionBounds` a frame, each entry of shape (M,).
         """
 
+    def fastest(self) -> list[MotionBounds]:
+        """:meth:`motion_bounds` at the vehicle's limits, each entry of shape (1,)."""
+        lower, upper = self.state_bounds
+        extreme = np.where(np.isfinite(upper), np.maximum(np.abs(lower), np.abs(upper)), 0.0)[None]
+        inputs = np.maximum(*(np.abs(bound) for bound in self.input_bounds))[None]
+        return self.motion_bounds(extreme, extreme, inputs)
+
     def acceleration_bound(
         self, frame: int, rho: float, middle: Sequence[Any], control: Sequence[Any], half: Any, ns: MathNamespace
     ) -> Any:
@@ -126,10 +133,7 @@ class VehicleModel(ABC):
             half: Half the interval's duration, s.
             ns: NumPy or CasADi.
         """
-        lower, upper = self.state_bounds
-        extreme = np.where(np.isfinite(upper), np.maximum(np.abs(lower), np.abs(upper)), 0.0)[None]
-        inputs = np.maximum(*(np.abs(bound) for bound in self.input_bounds))[None]
-        bounds = self.motion_bounds(extreme, extreme, inputs)[frame]
+        bounds = self.fastest()[frame]
         rotation = bounds.yaw_acceleration[0] + bounds.yaw_rate[0] ** 2
         return float(bounds.acceleration[0] + rotation * rho)
 

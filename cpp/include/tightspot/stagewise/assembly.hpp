@@ -8,6 +8,7 @@
 #include "tightspot/stagewise/chain.hpp"
 #include "tightspot/stagewise/covers.hpp"
 #include "tightspot/stagewise/row_quadratic.hpp"
+#include "tightspot/stagewise/views.hpp"
 
 namespace tightspot::stagewise {
 
@@ -25,11 +26,12 @@ class Assembly {
    public:
     Assembly(const Problem& problem, const Layout& layout)
         : rows(RowGrouping(problem, layout).take()), stages(problem.steps), covers_(problem, layout),
-          problem_(problem), layout_(layout) {
-        const std::size_t samples = layout.sample.back(), parts = problem.parts.size();
-        curvature.poses.assign(6 * samples, 0), curvature.pose_covers.assign(3 * samples * parts, 0);
+          views_(rows, layout.sample.back(), problem.steps, problem.parts.size()), problem_(problem), layout_(layout),
+          poses_(layout.sample.back() + rows.views.size()) {
+        const std::size_t parts = problem.parts.size();
+        curvature.poses.assign(6 * poses_, 0), curvature.pose_covers.assign(3 * poses_ * parts, 0);
         curvature.covers.assign(problem.steps * parts, 0), curvature.blocks.assign(rows.blocks, 0);
-        steps_.poses.assign(3 * samples, 0), steps_.covers.assign(problem.steps * parts, 0);
+        steps_.poses.assign(3 * poses_, 0), steps_.covers.assign(problem.steps * parts, 0);
         if (std::any_of(rows.coupled.begin(), rows.coupled.end(), [](char is) { return is != 0; }))
             pairs.resize(problem.pairs.size());
         sensitivities.allocate(problem, layout);
@@ -37,12 +39,14 @@ class Assembly {
 
     void allocate(Gradient& gradient) const {
         gradient.stages.assign(problem_.steps * S::nw, 0);
-        gradient.forces.poses.assign(3 * layout_.sample.back(), 0);
+        gradient.forces.poses.assign(3 * poses_, 0);
+        gradient.forces.times.assign(rows.views.empty() ? 0 : problem_.steps, 0);
         gradient.forces.covers.assign(problem_.steps * problem_.parts.size(), 0);
         gradient.forces.lines.assign(2 * rows.intervals.size(), 0);
     }
     void allocate(Values<Model>& values) const {
         values.allocate(problem_, layout_);
+        values.poses.assign(values.pose * poses_, 0);
         values.geometry.assign(rows.geometry, 0);
     }
 
@@ -52,6 +56,7 @@ class Assembly {
             integrate(problem_, layout_, v, convoy, out);
             if (has_cover(convoy)) covers_.evaluate(v, convoy, out.covers);
         }
+        views_.evaluate(v[layout_.time], out.poses);
         over_rows([&](auto P, const RowGroup& group) { row_values<decltype(P)>(context(), group, v, out); });
         out.objective = objective(v);
     }
@@ -62,6 +67,7 @@ class Assembly {
             differentiate(problem_, layout_, v, layout_.convoys[i], at, sensitivities);
             if (has_cover(layout_.convoys[i])) covers_.differentiate(v, static_cast<int>(i));
         }
+        views_.differentiate(v[layout_.time], at.poses);
     }
 
     // The Hessian of the Lagrangian plus J' D J; `lam` of the dynamics, `diagonal` of the bounds. On the way, the gradient
@@ -72,6 +78,7 @@ class Assembly {
         over_rows([&](auto P, const RowGroup& group) {
             row_curvature<decltype(P)>(context(), group, at, D, z, out.forces, curvature);
         });
+        views_.pull(out.forces), views_.pull(out.forces, curvature);
         constexpr int n = S::inner;
         Pack H[n * n];
         for (std::size_t i = 0; i < layout_.convoys.size(); ++i) {
@@ -97,6 +104,7 @@ class Assembly {
                       Gradient& out) const {
         out.forces.clear();
         over_rows([&](auto P, const RowGroup& group) { row_forces<decltype(P)>(context(), group, at, b, out.forces); });
+        views_.pull(out.forces);
         for (int k = 0; k < problem_.steps; ++k) collect_gradient(v, k, bounds, out);
     }
 
@@ -118,6 +126,7 @@ class Assembly {
                 steps_.covers[k * parts + part] = sum;
             }
         }
+        views_.push(dv[layout_.time], steps_.poses);
         over_rows([&](auto P, const RowGroup& group) {
             stagewise::row_steps<decltype(P)>(context(), group, at, steps_.poses.data(), steps_.covers.data(),
                                               dv + layout_.line, out);
@@ -211,17 +220,38 @@ class Assembly {
         add_pose_block(curvature.poses.data() + 6 * first, stage.own, S::na);
         for (int p = first + 1; p < last; ++p)
             chain(k).add_block(p - first, curvature.poses.data() + 6 * p, stage.own);
+        if (views_.any(k)) add_time_curvature(k, stage);
         if (!has_cover(k)) return;
         covers_.add_curvature(index, l, forces.covers.data() + k * parts, stage);
         for (int part = 0; part < parts; ++part) {
             double row[S::nw] = {}, both[S::nw];
             for (int p = first; p <= last; ++p)
                 chain(k).add(p - first, curvature.pose_covers.data() + 3 * (p * parts + part), row);
+            if (views_.any(k)) row[S::nx] += views_.curvature.cover_times[k * parts + part];
             const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
             const double own = curvature.covers[k * parts + part];
             for (int i = 0; i < S::nw; ++i) both[i] = -own * gradient[i] - row[i], row[i] = -row[i];
             stage.subtract_outer(both, gradient, gradient, row);
         }
+    }
+
+    // What moving obstacles add along t_f, to the quadratic of interval k.
+    void add_time_curvature(int k, StageQuadratic<Model>& stage) const {
+        double row[S::nw] = {};
+        for (int p = layout_.sample[k]; p < layout_.sample[k + 1]; ++p)
+            chain(k).add(p - layout_.sample[k], views_.curvature.pose_times.data() + 3 * p, row);
+        for (int i = 0; i < S::na; ++i) stage.own[i * S::na + S::nx] += row[i], stage.own[S::nx * S::na + i] += row[i];
+        for (int i = 0; i < S::nx; ++i) stage.mixed[i * S::na + S::nx] += row[S::na + i];
+        stage.own[S::nx * (S::na + 1)] += views_.curvature.times[k];
+    }
+
+    // Adds to a line's row of w its mixed derivatives with the pose at a place of interval k (see RowGroups::samples).
+    void chain_line(int k, int place, const double* mixed, double* row) const {
+        const View* view = views_.view(place);
+        if (!view) return chain(k).add(place - layout_.sample[k], mixed, row);
+        double pose[3] = {};
+        row[S::nx] += views_.derivatives(place).pull(mixed, pose);
+        chain(k).add(view->sample - layout_.sample[k], pose, row);
     }
 
     // Blocks of pairs in coupled intervals, from poses and covers to w.
@@ -239,10 +269,10 @@ class Assembly {
                 const double phi_cover = entry(3), mu_cover = entry(4);
                 for (int i = 0; i < S::nw; ++i) pair.phi[i] = phi_cover * cover[i], pair.mu[i] = mu_cover * cover[i];
                 for (int s = 0; s < group.samples; ++s) {
-                    const int sample = rows.samples[group.sample + s * group.width + l] - layout_.sample[k], i = 5 + 6 * s;
+                    const int place = rows.samples[group.sample + s * group.width + l], i = 5 + 6 * s;
                     const double phi[3] = {entry(i), entry(i + 1), entry(i + 2)};
                     const double mu[3] = {entry(i + 3), entry(i + 4), entry(i + 5)};
-                    chain(k).add(sample, phi, pair.phi), chain(k).add(sample, mu, pair.mu);
+                    chain_line(k, place, phi, pair.phi), chain_line(k, place, mu, pair.mu);
                 }
             }
         }
@@ -261,6 +291,7 @@ class Assembly {
         add_objective_gradient(v, k, g);
         if (!coupled(k)) return;
         for (int p = first; p < last; ++p) chain(k).add(p - first, out.forces.poses.data() + 3 * p, g);
+        if (views_.any(k)) g[S::nx] += out.forces.times[k];
         for (int part = 0; has_cover(k) && part < parts; ++part) {
             const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
             for (int i = 0; i < S::nw; ++i) g[i] += out.forces.covers[k * parts + part] * gradient[i];
@@ -298,8 +329,10 @@ class Assembly {
     }
 
     Covers<Model> covers_;
+    Views views_;
     const Problem& problem_;
     const Layout& layout_;
+    const std::size_t poses_;  // samples and views
     Forces steps_;  // of poses and covers
 };
 

@@ -118,6 +118,7 @@ class Audit {
         for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
             const Pair& pair = problem_.pairs[i];
             const int at_line = layout_.aux(i);
+            const Motion* motion = problem_.motion_of(pair.obstacle);
             const double nx_ = std::cos(v_[at_line]), ny_ = std::sin(v_[at_line]);
             const double mu = v_[at_line + 1] + nx_ * pair.origin[0] + ny_ * pair.origin[1];
             const Demand side{pair.obstacle_side, pair.obstacle_weight, 1};
@@ -126,10 +127,19 @@ class Audit {
                        cover(k, pair.part, side));
             for (int p = 0; p <= problem_.pieces[k]; ++p) {
                 const Demand& at = problem_.pair_demands[layout_.sample[k] + p];
-                if (at.used)
-                    demand(at.constant + cover(k, pair.part, at) + mu - nearest(pair.part, p, nx_, ny_));
+                if (!at.used) continue;
+                const double inside = motion ? nearest_to_moving(*motion, k, pair.part, p, v_[at_line], mu)
+                                             : nearest(pair.part, p, nx_, ny_) - mu;
+                demand(at.constant + pair.extra + cover(k, pair.part, at) - inside);
             }
         }
+    }
+
+    // n . V - mu, the least, for a line (phi, mu) in a moving obstacle's frame: the line is put into the world.
+    double nearest_to_moving(const Motion& motion, int k, int part, int piece, double phi, double mu) const {
+        const auto at = [&](int i) { return motion.at(layout_.sample[k] + piece, i, v_[layout_.time]); };
+        const double nx_ = std::cos(phi + at(2)), ny_ = std::sin(phi + at(2));
+        return nearest(part, piece, nx_, ny_) - (mu + nx_ * at(0) + ny_ * at(1));
     }
 
     const Problem& problem_;

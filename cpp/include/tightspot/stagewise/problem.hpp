@@ -34,6 +34,19 @@ struct Pair {
     int interval = 0, part = 0, obstacle = 0;
     double origin[2] = {0, 0};
     double obstacle_side = 0, obstacle_weight = 0;  // the demand on the obstacle's side of the line
+    double extra = 0;                               // what the body's side demands beyond the samples' demands
+};
+
+// How an obstacle part moves: its frame's pose (x, y, theta) at each sample is linear in t_f,
+// poses + (t_f - time) slopes, three numbers a sample. Its vertices and its pairs' lines are in that frame.
+struct Motion {
+    int obstacle = 0;
+    double time = 0;
+    Vector poses, slopes;
+
+    double at(int sample, int i, double final_time) const {
+        return poses[3 * sample + i] + (final_time - time) * slopes[3 * sample + i];
+    }
 };
 
 // Half-plane normal . q <= offset that one body part must stay in during one interval.
@@ -48,6 +61,8 @@ struct Wall {
 //   minimise    time_weight t_f + (t_f or 1) sum_k widths[k] sum_i input_weights[i] u_k[i]^2
 //   subject to  x_{k+1} = F_k(x_k, u_k, t_f): pieces[k] * substeps[k] Runge-Kutta steps,
 //               bounds, start and goal (NaN: free), walls and pairs.
+//
+// A pair whose obstacle part moves is written in that part's frame: V, n and mu there, and the part's own vertices.
 //
 // Samples of interval k: the state x_k, the states after each of its pieces but the last, and x_{k+1}. Rows of
 // interval k, part by part: for every sample, wall and vertex, offset - normal . V - demand >= 0; then for every pair
@@ -69,8 +84,14 @@ struct Problem {
     std::vector<Pair> pairs;
     std::vector<Wall> walls;
     std::vector<Demand> pair_demands, wall_demands;  // by sample, all intervals
+    std::vector<Motion> motions;                     // of the obstacle parts that move
 
     bool free_time() const { return time_low < time_high; }
+    const Motion* motion_of(int obstacle) const {
+        for (const Motion& motion : motions)
+            if (motion.obstacle == obstacle) return &motion;
+        return nullptr;
+    }
 };
 
 // Consecutive intervals with equally many pieces and substeps, at most `lanes`, whose motion is computed at once.

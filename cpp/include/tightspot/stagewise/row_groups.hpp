@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "tightspot/stagewise/problem.hpp"
@@ -26,10 +27,19 @@ struct RowGroup {
     bool wall() const { return corners == 0; }
 };
 
+// A sample pose seen from the frame of a moving obstacle part; it has its own place after all the samples' poses.
+struct View {
+    int interval, sample;
+    const Motion* motion;
+};
+
 struct RowGroups {
     std::vector<RowGroup> walls, pairs;
-    // Interval and pair (-1: a wall) of each line; samples, among all, of each sample's lines.
+    // Interval and pair (-1: a wall) of each line; of each sample's lines the place of the pose that matters to them: the
+    // sample, or for a moving obstacle the number of samples plus the view's.
     Indices intervals, line_pairs, samples;
+    std::vector<View> views;  // interval by interval
+    Indices first_view;       // of each interval, N + 1 entries
     // Packs of `width` numbers. Walls: normal inwards (x, y), its product with points on the wall. Pairs: origin (x, y),
     // constant and weight of the demand on the obstacle's side, its vertices relative to the origin (x, y). Then the
     // demand (constant, weight) of every sample.
@@ -71,8 +81,10 @@ class RowGrouping {
                 if (!last && (pair.used || wall.used)) out_.coupled[k] = 1;
                 if ((pair.used && pair.weight != 0) || (wall.used && wall.weight != 0)) out_.covered[k] = 1;
             }
-        for (const Pair& pair : problem_.pairs)
+        for (const Pair& pair : problem_.pairs) {
             if (pair.obstacle_weight != 0) out_.covered[pair.interval] = 1;
+            if (problem_.motion_of(pair.obstacle)) out_.coupled[pair.interval] = 1;
+        }
         for (int k = 0; k < problem_.steps; ++k) out_.coupled[k] |= out_.covered[k];
     }
 
@@ -91,6 +103,7 @@ class RowGrouping {
             const Indices wall_samples = used_samples(k, problem_.wall_demands);
             const Indices pair_samples = used_samples(k, problem_.pair_demands);
             const bool coupled = out_.coupled[k] != 0;
+            out_.first_view.push_back(static_cast<int>(out_.views.size()));
             for (int part = 0; part < parts; ++part) {
                 const int at = k * parts + part, count = problem_.parts.count(part);
                 for (int sample : wall_samples)
@@ -101,9 +114,23 @@ class RowGrouping {
                     const int samples = static_cast<int>(pair_samples.size());
                     kinds_[{true, coupled, part, corners, samples}].push_back({k, i, row, pair_samples});
                     row += corners + samples * count;
+                    if (const Motion* motion = problem_.motion_of(problem_.pairs[i].obstacle))
+                        for (int sample : pair_samples) add_view({k, sample, motion});
                 }
             }
         }
+        out_.first_view.push_back(static_cast<int>(out_.views.size()));
+    }
+
+    void add_view(const View& view) {
+        if (view_of_.try_emplace({view.motion, view.sample}, static_cast<int>(out_.views.size())).second)
+            out_.views.push_back(view);
+    }
+
+    // Where the pose is that matters to a line at a sample.
+    int pose_of(bool is_pair, const Line& line, int sample) const {
+        const Motion* motion = is_pair ? problem_.motion_of(problem_.pairs[line.index].obstacle) : nullptr;
+        return motion ? layout_.sample.back() + view_of_.at({motion, sample}) : sample;
     }
 
     void split(const Kind& kind, const std::vector<Line>& lines) {
@@ -128,14 +155,16 @@ class RowGrouping {
             out_.group[lines[l].index] = static_cast<int>(out_.pairs.size()), out_.lane[lines[l].index] = l;
         }
         for (int s = 0; s < samples; ++s)
-            for (int l = 0; l < width; ++l) out_.samples.push_back(lines[l].samples[s]);
+            for (int l = 0; l < width; ++l) out_.samples.push_back(pose_of(is_pair, lines[l], lines[l].samples[s]));
         if (is_pair)
             add_pair_numbers(lines, width, corners);
         else
             add_wall_numbers(lines, width);
         const std::vector<Demand>& demands = is_pair ? problem_.pair_demands : problem_.wall_demands;
         for (int s = 0; s < samples; ++s) {
-            add_numbers(width, [&](int l) { return demands[lines[l].samples[s]].constant; });
+            add_numbers(width, [&](int l) {
+                return demands[lines[l].samples[s]].constant + (is_pair ? problem_.pairs[lines[l].index].extra : 0);
+            });
             add_numbers(width, [&](int l) { return demands[lines[l].samples[s]].weight; });
         }
         row_ += rows * width;
@@ -173,6 +202,7 @@ class RowGrouping {
     const Layout& layout_;
     RowGroups out_;
     std::map<Kind, std::vector<Line>> kinds_;
+    std::map<std::pair<const Motion*, int>, int> view_of_;  // by motion and sample
     int row_ = 0;
 };
 

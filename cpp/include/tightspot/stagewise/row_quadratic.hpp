@@ -11,10 +11,11 @@ namespace tightspot::stagewise {
 struct Forces {
     Vector poses;   // 3 of each sample
     Vector covers;  // by (interval, part)
+    Vector times;   // of t_f, by interval; empty where no obstacle moves
     Vector lines;
 
     void clear() {
-        for (Vector* all : {&poses, &covers}) std::fill(all->begin(), all->end(), 0.0);
+        for (Vector* all : {&poses, &covers, &times}) std::fill(all->begin(), all->end(), 0.0);
     }
 };
 

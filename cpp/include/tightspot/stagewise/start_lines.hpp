@@ -25,6 +25,15 @@ struct GuessedMotion {
         for (int i = 0; i < 3; ++i) q[i] = (1 - weight) * from[i] + weight * to[i];
         return {q[0], q[1], std::cos(q[2]), std::sin(q[2])};
     }
+
+    // The same, seen from a frame that has these poses (x, y, theta) at the interval's samples.
+    judge::Placement pose(int k, int piece, const double* frames) const {
+        const judge::Placement world = pose(k, piece);
+        if (!frames) return world;
+        const double* frame = frames + 3 * (at_knots ? pieces[k] : piece);
+        const double c = std::cos(frame[2]), s = std::sin(frame[2]), x = world.x - frame[0], y = world.y - frame[1];
+        return {c * x + s * y, c * y - s * x, c * world.cos + s * world.sin, c * world.sin - s * world.cos};
+    }
 };
 
 // A line {q: n . q = offset}, n = (cos phi, sin phi), and its point next to the body's reference point.
@@ -38,15 +47,15 @@ class StartLines {
         : parts_(outlines(parts)), obstacles_(outlines(obstacles)) {}
 
     // The best normal at the middle pose of interval k, and the offset midway between the obstacle and the body at all of
-    // the interval's poses.
-    StartLine of(const GuessedMotion& motion, int k, int part, int obstacle) {
+    // the interval's poses. `frames`: the poses of the obstacle's frame at the interval's samples if it moves, else null.
+    StartLine of(const GuessedMotion& motion, int k, int part, int obstacle, const double* frames = nullptr) {
         const int pieces = motion.pieces[k];
-        const judge::Placement middle = motion.pose(k, (pieces + 1) / 2);
+        const judge::Placement middle = motion.pose(k, (pieces + 1) / 2, frames);
         judge::place(parts_[part], middle, body_);
         const judge::Line line = judge::best_line(body_, obstacles_[obstacle]);
         double nearest = HUGE_VAL;
         for (int piece = 0; piece <= pieces; ++piece) {
-            judge::place(parts_[part], motion.pose(k, piece), body_);
+            judge::place(parts_[part], motion.pose(k, piece, frames), body_);
             nearest = std::min(nearest, judge::lowest(line.normal, body_.vertices));
         }
         const tightspot::Point n = line.normal;

@@ -96,12 +96,20 @@ inline std::string flaw(const Problem& problem, int nx, int nu, int parameters) 
         if (pair.obstacle < 0 || pair.obstacle >= problem.obstacles.size()) return "pairs";
         if (!std::isfinite(pair.origin[0] + pair.origin[1])) return "pair origins";
         if (!std::isfinite(pair.obstacle_side + pair.obstacle_weight)) return "pair sides";
+        if (!std::isfinite(pair.extra)) return "pair_extras";
     }
     if (!sorted_within(problem.walls, problem.steps, problem.parts.size())) return "walls";
     for (const Wall& wall : problem.walls)
         if (!std::isfinite(wall.normal[0] + wall.normal[1] + wall.offset)) return "walls";
     if (!sound_demands(problem.pair_demands, samples)) return "pair_demands";
     if (!sound_demands(problem.wall_demands, samples)) return "wall_demands";
+    for (const Motion& motion : problem.motions) {
+        const bool known = motion.obstacle >= 0 && motion.obstacle < problem.obstacles.size();
+        if (!known || problem.motion_of(motion.obstacle) != &motion) return "motion_obstacles";
+        if (!std::isfinite(motion.time)) return "motion_times";
+        if (motion.poses.size() != 3 * samples || !all_finite(motion.poses)) return "motion_poses";
+        if (motion.slopes.size() != 3 * samples || !all_finite(motion.slopes)) return "motion_slopes";
+    }
     return "";
 }
 
