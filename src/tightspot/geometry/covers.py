@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from tightspot.errors import GeometryError
 from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.geometry.stack import PolygonStack
 
 Array = NDArray[np.float64]
 
@@ -101,7 +102,7 @@ def simplified(polygon: ConvexPolygon, tolerance: float) -> ConvexPolygon:
     V = polygon.vertices
     shape = polygon.to_shapely()
     while len(V) > 3:
-        corner, height = _corners(V)
+        corner, height = _corners(V, np.roll(V, 1, axis=0), np.roll(V, 2, axis=0), np.roll(V, -1, axis=0))
         near = np.flatnonzero(height <= tolerance)
         for i in near[np.argsort(height[near], kind="stable")]:
             if shape.distance(shapely.Point(corner[i])) <= tolerance:
@@ -117,10 +118,20 @@ def simplified(polygon: ConvexPolygon, tolerance: float) -> ConvexPolygon:
         return polygon
 
 
-def _corners(V: Array) -> tuple[Array, Array]:
-    """Where the edges before and after edge i (from V[i-1] to V[i]) meet, and how far outside edge i that is."""
-    start, end = np.roll(V, 1, axis=0), V
-    before, along, after = start - np.roll(V, 2, axis=0), end - start, np.roll(V, -1, axis=0) - end
+def can_be_simplified(polygons: PolygonStack, tolerance: float) -> NDArray[np.bool_]:
+    """Of which polygons :func:`simplified` may leave out an edge; of the others it leaves none out. (len,)."""
+    if not len(polygons):
+        return np.zeros(0, dtype=bool)
+    V, first, sizes = polygons.vertices, polygons.first[:-1], np.diff(polygons.first)
+    previous, following = np.arange(len(V)) - 1, np.arange(len(V)) + 1
+    previous[first], following[first + sizes - 1] = first + sizes - 1, first
+    _, height = _corners(V, V[previous], V[previous[previous]], V[following])
+    return np.asarray((sizes > 3) & (np.minimum.reduceat(height, first) <= tolerance))
+
+
+def _corners(end: Array, start: Array, before_start: Array, after_end: Array) -> tuple[Array, Array]:
+    """Where the edges before and after each edge, from ``start`` to ``end``, meet, and how far outside the edge."""
+    before, along, after = start - before_start, end - start, after_end - end
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         s = (along[:, 0] * after[:, 1] - along[:, 1] * after[:, 0]) / turn

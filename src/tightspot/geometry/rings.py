@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 RELATIVE_TOLERANCE = 1e-9
 LARGEST_COORDINATE = 1e9
 SMALLEST_EXTENT = 1e-9
+_SQUARE_UNDERFLOWS = 1e-150
 
 
 class DoublesBackError(GeometryError):
@@ -74,7 +75,7 @@ def as_points(points: ArrayLike, path: str) -> Array:
     if problems:
         raise GeometryError(problems)
     # Turns -0.0, and what is so small that its square underflows, into 0.0: equal polygons have equal bytes.
-    return np.where(np.abs(array) < 1e-150, 0.0, array)
+    return np.where(np.abs(array) < _SQUARE_UNDERFLOWS, 0.0, array)
 
 
 def clean_ring(points: ArrayLike, path: str = "vertices") -> Ring:
@@ -97,6 +98,43 @@ def clean_ring(points: ArrayLike, path: str = "vertices") -> Ring:
     if signed_area(array[index]) < 0:
         index = np.roll(index[::-1], 1)
     return Ring(array[index], index)
+
+
+def clean_convex_ring(points: ArrayLike) -> Array | None:
+    """The vertices of :func:`clean_ring` if they are obviously those of a convex polygon; ``None``: look closer.
+
+    All points but a repeated last one are vertices then: at each the boundary turns the same way, once around in all,
+    by so much that the vertex stands out from the chord of its neighbours by more than twice the tolerance. So none is
+    repeated or collinear, and the polygon is convex.
+
+    Args:
+        points: Shape (n, 2), m; anything else is nothing obvious.
+    """
+    try:
+        array = np.array(points, dtype=float, order="C")
+    except (TypeError, ValueError):
+        return None
+    if array.ndim != 2 or array.shape[1] != 2 or len(array) < 3:
+        return None
+    sizes = np.abs(array)
+    largest = float(sizes.max())
+    if not largest <= LARGEST_COORDINATE:
+        return None
+    array[sizes < _SQUARE_UNDERFLOWS] = 0.0
+    z = array.view(np.complex128).ravel()
+    if z[0] == z[-1]:
+        z = z[:-1]
+    leaving = np.empty_like(z)
+    leaving[:-1], leaving[-1] = z[1:] - z[:-1], z[0] - z[-1]
+    turn = np.conj(np.concatenate([leaving[-1:], leaving[:-1]])) * leaving
+    if turn[0].imag < 0:
+        z, turn = np.concatenate([z[:1], z[:0:-1]]), np.conj(turn)
+    lengths = np.abs(leaving)
+    longest, boundary = float(lengths.max()), float(lengths.sum())
+    least = 4 * longest * max(RELATIVE_TOLERANCE * boundary, 8 * np.finfo(float).eps * largest)
+    if not (turn.imag.min() > least and longest > 2 * SMALLEST_EXTENT and np.angle(turn).sum() < 3 * np.pi):
+        return None
+    return z.view(np.float64).reshape(-1, 2)
 
 
 def distinct(points: Array, path: str = "vertices") -> NDArray[np.intp]:
@@ -128,6 +166,8 @@ def _point(point: Array) -> str:
 
 
 def _without_repeated(points: Array, tol: float) -> NDArray[np.intp]:
+    if (np.abs(points - np.roll(points, 1, axis=0)).max(axis=1) > tol).all():
+        return np.arange(len(points), dtype=np.intp)
     kept: list[int] = []
     for i, point in enumerate(points):
         if not kept or np.abs(point - points[kept[-1]]).max() > tol:
@@ -146,7 +186,7 @@ def _on_one_line(points: Array, tol: float) -> bool:
 
 def _without_collinear(points: Array, index: NDArray[np.intp], tol: float, path: str) -> NDArray[np.intp]:
     """Drop vertices on the line through their neighbours, until none is left to drop."""
-    while True:
+    while not _all_stand_out(points[index], tol):
         before = len(index)
         kept: list[int] = []
         for position, i in enumerate(index):
@@ -156,7 +196,18 @@ def _without_collinear(points: Array, index: NDArray[np.intp], tol: float, path:
                 kept.append(int(i))
         index = np.array(kept, dtype=np.intp)
         if len(index) == before:
-            return index
+            break
+    return index
+
+
+def _all_stand_out(ring: Array, tol: float) -> bool:
+    """Whether :func:`_is_straight` is false of all vertices of the ring (n, 2)."""
+    arriving = ring - np.roll(ring, 1, axis=0)
+    leaving = np.roll(arriving, -1, axis=0)
+    chord = arriving + leaving
+    longest = np.max([np.hypot(*side.T) for side in (arriving, leaving, chord)], axis=0)
+    cross = np.abs(arriving[:, 0] * leaving[:, 1] - arriving[:, 1] * leaving[:, 0])
+    return bool((cross > tol * longest).all())
 
 
 def _is_straight(previous: Array, vertex: Array, following: Array, tol: float, path: str) -> bool:

@@ -70,7 +70,7 @@ class Boundary:
         rest = polygons_in(shapely.Polygon(self.workspace().vertices).difference(self.polygon))
         if not rest:
             return None
-        return Member(NAME, tuple(rest), tuple(part for piece in rest for part in _parts(piece)))
+        return Member(NAME, tuple(part for piece in rest for part in _parts(piece)), tuple(rest))
 
     def shifted(self, shift: ArrayLike) -> Boundary:
         """The boundary with ``shift`` (m, m) added to all its points."""

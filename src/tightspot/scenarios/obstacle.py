@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,8 +27,8 @@ class Obstacle:
         exterior: Corners as they were given (any winding, open or closed), m, shape (n, 2), read-only.
         holes: Rings inside that are free, each (m, 2), read-only.
         originals: Exterior and holes in the file's coordinates if these differ, else empty.
-        polygons: What the rings bound, for shapely: valid, one unless the exterior touches itself.
         parts: Convex parts whose union is the polygon; no corner is invented.
+        is_plain: Whether the exterior is convex and clean: it is the one part's ring, and there are no holes.
 
     Raises:
         GeometryError: The polygon is none; paths start with ``vertices`` or ``holes[j]``.
@@ -40,20 +41,33 @@ class Obstacle:
     exterior: Array
     holes: tuple[Array, ...] = ()
     originals: tuple[Array, ...] = field(default=(), repr=False)
-    polygons: tuple[shapely.Polygon, ...] = field(init=False, repr=False)
     parts: tuple[ConvexPolygon, ...] = field(init=False, repr=False)
+    is_plain: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        try:
-            polygons = solid_polygons(self.exterior, self.holes)
-            parts = convex_parts(polygons)
-        except GeometryError as error:
-            raise GeometryError([_in_file(problem) for problem in error.problems]) from None
-        object.__setattr__(self, "polygons", tuple(polygons))
-        object.__setattr__(self, "parts", parts)
+        convex = None if self.holes else ConvexPolygon.if_obvious(self.exterior)
+        object.__setattr__(self, "is_plain", convex is not None)
+        if convex is not None:
+            object.__setattr__(self, "parts", (convex,))
+        else:
+            self._decompose()
         object.__setattr__(self, "exterior", read_only(self.exterior))
         for key in ("holes", "originals"):
             object.__setattr__(self, key, tuple(map(read_only, getattr(self, key))))
+
+    def _decompose(self) -> None:
+        try:
+            polygons = tuple(solid_polygons(self.exterior, self.holes))
+            parts = convex_parts(polygons)
+        except GeometryError as error:
+            raise GeometryError([_in_file(problem) for problem in error.problems]) from None
+        self.__dict__["polygons"] = polygons
+        object.__setattr__(self, "parts", parts)
+
+    @cached_property
+    def polygons(self) -> tuple[shapely.Polygon, ...]:
+        """What the rings bound, for shapely: valid, one unless the exterior touches itself."""
+        return tuple(part.to_shapely() for part in self.parts)  # one convex one; others were kept when it was cut
 
     @property
     def rings(self) -> tuple[Array, ...]:

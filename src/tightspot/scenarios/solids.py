@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from tightspot.errors import GeometryError
-from tightspot.geometry import ConvexPolygon, convex_parts, covers
+from tightspot.geometry import ConvexPolygon, PolygonStack, convex_parts, covers
 from tightspot.geometry.solids import polygons_in
 from tightspot.scenarios.obstacle import Obstacle, unique_names
 
@@ -30,13 +30,18 @@ class Member:
 
     Attributes:
         name: For people.
-        polygons: Valid, for shapely.
-        parts: Convex parts that cover them.
+        parts: Convex parts that cover its polygons.
+        pieces: Its polygons, valid, for shapely; ``None`` if the one part is all of it.
     """
 
     name: str
-    polygons: tuple[shapely.Polygon, ...]
     parts: tuple[ConvexPolygon, ...]
+    pieces: tuple[shapely.Polygon, ...] | None = None
+
+    @property
+    def polygons(self) -> tuple[shapely.Polygon, ...]:
+        """Valid, for shapely."""
+        return tuple(part.to_shapely() for part in self.parts) if self.pieces is None else self.pieces
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +63,33 @@ class Solid:
 
 def member_of(obstacle: Obstacle) -> Member:
     """The obstacle with parts in which all its corners lie, also those that its own parts leave to rounding."""
+    if obstacle.is_plain:
+        return Member(obstacle.name, obstacle.parts)
     corners = np.concatenate(obstacle.rings)
-    return Member(obstacle.name, obstacle.polygons, tuple(covers.reaching(obstacle.parts, corners)))
+    return Member(obstacle.name, tuple(covers.reaching(obstacle.parts, corners)), obstacle.polygons)
 
 
 def solids(members: Sequence[Member]) -> tuple[Solid, ...]:
     """The members, grouped by touching, in the order of each group's first one."""
     groups = _touching(members)
     names = unique_names([_joined([members[i].name for i in group]) for group in groups])
-    return tuple(_solid(name, [members[i] for i in group]) for name, group in zip(names, groups, strict=True))
+    final = _final(members)
+    found = []
+    for name, group in zip(names, groups, strict=True):
+        first = members[group[0]]
+        if len(group) == 1 and final[group[0]]:
+            found.append(Solid(name, (first.name,), first.parts, (first.name,)))
+        else:
+            found.append(_solid(name, [members[i] for i in group]))
+    return tuple(found)
+
+
+def _final(members: Sequence[Member]) -> list[bool]:
+    """Which members are one convex part that cannot be simplified."""
+    whole = np.flatnonzero([member.pieces is None for member in members])
+    final = np.zeros(len(members), dtype=bool)
+    final[whole] = ~covers.can_be_simplified(PolygonStack(members[i].parts[0] for i in whole.tolist()), _SHARE)
+    return final.tolist()
 
 
 def _solid(name: str, members: Sequence[Member]) -> Solid:
@@ -128,8 +151,7 @@ def _touching(members: Sequence[Member]) -> list[list[int]]:
             i = group[i]
         return i
 
-    polygons = [polygon for member in members for polygon in member.polygons]
-    owner = [i for i, member in enumerate(members) for _ in member.polygons]
+    polygons, owner = _all_polygons(members)
     for p, q in _near(polygons):
         low, high = sorted((root(owner[p]), root(owner[q])))
         group[high] = low
@@ -137,6 +159,16 @@ def _touching(members: Sequence[Member]) -> list[list[int]]:
     for i in range(len(members)):
         found.setdefault(root(i), []).append(i)
     return list(found.values())
+
+
+def _all_polygons(members: Sequence[Member]) -> tuple[list[shapely.Polygon], list[int]]:
+    """The members' polygons and the index of each one's member; those of one part come last."""
+    pieces = [(polygon, i) for i, member in enumerate(members) for polygon in member.pieces or ()]
+    whole = [i for i, member in enumerate(members) if member.pieces is None]
+    stack = PolygonStack(members[i].parts[0] for i in whole)
+    rings = shapely.linearrings(stack.vertices, indices=np.repeat(np.arange(len(stack)), np.diff(stack.first)))
+    polygons = [polygon for polygon, _ in pieces] + shapely.polygons(rings).tolist()
+    return polygons, [i for _, i in pieces] + whole
 
 
 def _near(polygons: list[shapely.Polygon]) -> list[list[int]]:
