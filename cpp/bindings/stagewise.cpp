@@ -389,6 +389,11 @@ class Solver {
 
     void set(const Array& v) { fill(core_->point.v, v, "the start"); }
 
+    void set_ends(const Array& start, const Array& goal) {
+        const auto vector = [](const Array& a) { return Vector(a.data(), a.data() + a.size()); };
+        if (!core_->move_ends(vector(start), vector(goal))) throw nb::value_error("other entries of start or goal are free");
+    }
+
     void set_multipliers(const Array& s, const Array& z, const Array& zb, const Array& lam, const Array& nu) {
         Point& point = core_->point;
         fill_rows(point.s, s, "s"), fill_rows(point.z, z, "z"), fill(point.zb, zb, "zb"), fill(point.lam, lam, "lam");
@@ -450,6 +455,7 @@ void bind_model(nb::module_& m, const char* name) {
         .def(nb::init<nb::handle>(), "problem"_a)
         .def_prop_ro("sizes", &Solver<Model>::sizes)
         .def("set", &Solver<Model>::set, "v"_a)
+        .def("set_ends", &Solver<Model>::set_ends, "start"_a, "goal"_a)
         .def("set_multipliers", &Solver<Model>::set_multipliers, "s"_a, "z"_a, "zb"_a, "lam"_a, "nu"_a)
         .def("solve", &Solver<Model>::solve, "options"_a, "callback"_a = nb::none())
         .def_static("solve_many", &solve_many<Model>, "problems"_a, "starts"_a, "options"_a, "threads"_a, "seconds"_a)

@@ -11,7 +11,7 @@ import tightspot
 from tightspot.errors import BlockedError, InputError
 from tightspot.planner.request import resolve
 from tightspot.planner.rounds import Step, run_round
-from tightspot.solvers import Ipopt
+from tightspot.solvers import Ipopt, StageProblem
 
 MARGIN = 0.02
 SHIFT = np.array([0.08, -0.06, np.radians(2.0), 0.0, 0.0])
@@ -115,7 +115,7 @@ def test_an_uncertified_warm_plan_is_made_anew(monkeypatch):
     planner = tightspot.Planner("oblique", margin=MARGIN)
     first = planner.plan()
 
-    def fails(request, last, tell, deadline):
+    def fails(request, last, *_, **__):
         return [replace(last, certificate=None)]
 
     monkeypatch.setattr("tightspot.planner.planner.warm_rounds", fails)
@@ -123,6 +123,33 @@ def test_an_uncertified_warm_plan_is_made_anew(monkeypatch):
     assert not plan.report["warm"]["used"]
     assert "solver failed" in plan.report["warm"]["reason"]
     assert plan.certificate.certified
+
+
+def test_the_kept_solver_makes_the_same_plans_as_a_new_one(monkeypatch):
+    def moves(planner):
+        start, plans = planner.plan().scenario.start, []
+        for number in range(1, 5):
+            changes = {"start": start + (-1) ** number * SHIFT / number}
+            if number == 3:
+                changes["obstacles"] = [one.shifted([0.01, 0.0]) for one in planner.scenario.obstacles]
+            plans.append(planner.plan(**changes))
+        return plans
+
+    kept = moves(tightspot.Planner("vertical", margin=MARGIN))
+    monkeypatch.setattr(StageProblem, "differs_in_ends_only", lambda self, other: False)
+    for one, other in zip(kept, moves(tightspot.Planner("vertical", margin=MARGIN)), strict=True):
+        assert one.report["warm"]["used"]
+        np.testing.assert_array_equal(one.trajectory.states, other.trajectory.states)
+
+
+def test_news_of_a_warm_plan_is_told():
+    news = []
+    planner = tightspot.Planner("oblique", margin=MARGIN, progress=news.append)
+    start = planner.plan().scenario.start
+    news.clear()
+    planner.plan(start=start + SHIFT)
+    assert [one.iteration.number for one in news if one.iteration][:2] == [0, 1]
+    assert news[-1].phase == "verify"
 
 
 def test_bad_arguments_are_told_as_by_plan():

@@ -13,7 +13,7 @@ from tightspot.formulations import SweptUnitNormalLine, UnitNormalLine
 from tightspot.geometry import ConvexPolygon, clearance, transform
 from tightspot.guesses import LinearInterpolation
 from tightspot.scenarios import Obstacle, Scenario
-from tightspot.solvers.stagewise import Stagewise
+from tightspot.solvers.stagewise import Stagewise, core_solver
 from tightspot.transcription import Settings, TimeGrid
 from tightspot.transcription.stage_problem import stage_problem
 from tightspot.vehicles import vehicle
@@ -167,3 +167,49 @@ def test_warm_start_from_a_nearby_solution():
     assert warm.iterations < again.iterations
     with pytest.raises(InputError):
         Stagewise().solve_stages(problem(), warm=cold.point)
+
+
+@pytest.mark.parametrize("distance", [0.02, 0.1])
+def test_warm_starts_save_most_iterations(distance):
+    given = problem((4, 7, -6, -1.5))
+    cold = Stagewise().solve_stages(given)
+    rng = np.random.default_rng(0)
+    warm, anew = [], []
+    for _ in range(20):
+        angle = rng.uniform(0, 2 * np.pi)
+        shift = [distance * np.cos(angle), distance * np.sin(angle), rng.uniform(-1, 1) * distance / 3, 0, 0]
+        moved = given.replaced(start=given.start + shift)
+        warm.append(Stagewise().solve_stages(moved, warm=cold.point))
+        anew.append(Stagewise().solve_stages(moved))
+        assert warm[-1].status.success
+        assert warm[-1].attempts[0].start == "warm"
+        assert violation(moved, warm[-1]) >= 0.05 - 1e-6
+    assert 2 * np.median([one.iterations for one in warm]) <= np.median([one.iterations for one in anew])
+
+
+def test_a_core_serves_again_when_start_and_goal_move():
+    given = problem((4, 7, -6, -1.5))
+    core = core_solver(given)
+    cold = Stagewise().solve_stages(given, core=core)
+    np.testing.assert_array_equal(cold.x, Stagewise().solve_stages(given).x)
+    moved = given.replaced(start=given.start + np.array([0.05, 0.02, 0.01, 0, 0]), goal=given.goal + 0.01)
+    again, new = (Stagewise().solve_stages(moved, warm=cold.point, core=kept) for kept in (core, None))
+    assert again.iterations == new.iterations
+    np.testing.assert_array_equal(again.x, new.x)
+    np.testing.assert_allclose(again.states[0], moved.start)
+    free = given.start.copy()
+    free[4] = np.nan
+    with pytest.raises(InputError, match="core"):
+        Stagewise().solve_stages(given.replaced(start=free), core=core)
+
+
+def test_a_hopeless_warm_start_falls_back_to_the_given_one():
+    given = problem((4, 7, -6, -1.5))
+    cold = Stagewise().solve_stages(given)
+    nonsense = replace(cold.point, v=np.full_like(cold.point.v, np.nan))
+    report = Stagewise().solve_stages(given, warm=nonsense)
+    assert report.status.success
+    assert [attempt.start for attempt in report.attempts] == ["warm", "given"]
+    assert report.iterations == sum(attempt.iterations for attempt in report.attempts)
+    assert "earlier solution" in report.note
+    assert not Stagewise(robust=False).solve_stages(given, warm=nonsense).status.success

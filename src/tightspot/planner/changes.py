@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,7 @@ class Changes:
 
     def to_dict(self) -> dict[str, float]:
         """Plain data for the report."""
-        return asdict(self)
+        return dict(vars(self))
 
 
 def changes_between(old: Request, new: Request) -> Changes | str:
@@ -72,6 +72,8 @@ def _moved(before: Array, after: Array) -> tuple[float, float]:
 
 def _largest_shift(before: Scenario, after: Scenario) -> float | None:
     """Largest distance that a corner of the obstacles' convex parts moved, m; ``None`` if they do not correspond."""
+    if after.obstacles is before.obstacles:
+        return 0.0
     old, new = before.obstacle_polygons, after.obstacle_polygons
     if not np.array_equal(old.first, new.first):
         return None

@@ -21,7 +21,7 @@ from tightspot.planner.portfolio import Course, Member
 from tightspot.planner.progress import ProgressCallback
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Round
-from tightspot.planner.warm import warm_rounds
+from tightspot.planner.warm import KeptCore, warm_rounds
 from tightspot.scenarios import Obstacle, Scenario, check, load
 from tightspot.solvers import Solver
 from tightspot.transcription import Objective
@@ -80,8 +80,10 @@ class Planner:
         self._effort, self._seed = known_effort(effort), seed
         self._seconds = SECONDS if explain else None
         self._tell: ProgressCallback = progress or (lambda news: None)
+        self._watched = progress is not None
         self._last: tuple[Request, Round] | None = None
         self._cold_steps = 0
+        self._core = KeptCore()
         with suppress(BlockedError):
             self._resolved(self.scenario)
 
@@ -107,9 +109,11 @@ class Planner:
         """
         started = time.perf_counter()
         scene = self._changed(start, goal, obstacles)
-        request = resolve_or_explain(scene, self._vehicle, self._resolved, self._tell, self._seconds)
-        made = self._warm(request, started)
-        plan, last = made if isinstance(made, tuple) else self._cold(request, started, made)
+        made = self._warm(scene, started)
+        if isinstance(made, str):
+            request = resolve_or_explain(scene, self._vehicle, self._resolved, self._tell, self._seconds)
+            made = self._cold(request, started, made)
+        plan, request, last = made
         self.scenario, self._last = plan.scenario, (request, last)
         return plan
 
@@ -138,24 +142,26 @@ class Planner:
         originals = {name: value for name, value in self.scenario.originals.items() if name not in changed}
         return self.scenario.with_(**changed, originals=originals)
 
-    def _warm(self, request: Request, started: float) -> tuple[Plan, Round] | str:
-        """From the last plan; or why not."""
+    def _warm(self, scene: Scenario, started: float) -> tuple[Plan, Request, Round] | str:
+        """From the last plan; or why not. Start and goal are not checked before: a certified plan is free there."""
         if self._last is None:
             return "it is the first plan"
         old, last = self._last
+        request = replace(old, scenario=scene)
         changes = changes_between(old, request)
         if isinstance(changes, str):
             return changes
         steps = last.mesh.grid.steps
         if steps > GROWN * self._cold_steps:
             return f"the mesh has grown from {self._cold_steps} to {steps} intervals"
-        rounds = warm_rounds(request, last, self._tell, started + request.time_limit)
+        until = started + request.time_limit
+        rounds = warm_rounds(request, last, self._core, self._tell, until, watched=self._watched)
         final = rounds[-1]
         if final.certificate is None:
             return f"from the last plan the solver failed ({final.report.status.sentence})"
         if not final.certificate.certified:
             return "what came of the last plan was not certified"
-        return self._finished(request, rounds, changes, started), final
+        return self._finished(request, rounds, changes, started), request, final
 
     def _finished(self, request: Request, rounds: list[Round], changes: Changes, started: float) -> Plan:
         seconds = time.perf_counter() - started
@@ -167,10 +173,11 @@ class Planner:
         report = report_of(request, [course], seconds) | warm
         return Plan(request.scenario, request.vehicle, final.trajectory, final.certificate, report)
 
-    def _cold(self, request: Request, started: float, reason: str) -> tuple[Plan, Round]:
+    def _cold(self, request: Request, started: float, reason: str) -> tuple[Plan, Request, Round]:
         plan, last = plan_request(request, self._effort, self._tell, started, self._seed, self._seconds)
         self._cold_steps = last.mesh.grid.steps
-        return replace(plan, report=dict(plan.report) | {"warm": {"used": False, "reason": reason}}), last
+        self._core.keep(last)
+        return replace(plan, report=dict(plan.report) | {"warm": {"used": False, "reason": reason}}), request, last
 
 
 def _obstacles(given: Sequence[Obstacle]) -> tuple[Obstacle, ...]:

@@ -20,7 +20,6 @@ from tightspot.solvers import (
     IterationCallback,
     Solver,
     SolveReport,
-    StagePoint,
     StageProblem,
     StageReport,
     Stagewise,
@@ -33,7 +32,6 @@ from tightspot.transcription import (
     carry_lines,
     carry_over,
     fits_stages,
-    moved_ends,
     stage_problem,
     transcribe,
 )
@@ -43,8 +41,6 @@ from tightspot.verification.replay import Replay, replay
 FEASIBLE = 1e-5
 WARM_BARRIER = 1e-3
 """Small enough not to push a solution on a coarser mesh over into another valley."""
-SAME_MESH_BARRIER = 1e-4
-"""Where the multipliers are carried over, too: below it there is little left to gain."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +148,8 @@ class Round:
             "poses": sum(self.mesh.poses),
             "demanded_clearance_extra": self.mesh.extra,
             "pairs": int(self.mesh.active.sum()),
-            "variables": self.report.x.size,
-            "rows": self.report.g.size,
+            "variables": self.report.n_variables,
+            "rows": self.report.n_rows,
             "warm": self.step.before is not None,
             "solve": self.report.to_dict(),
             "fell_back_from": [report.to_dict() for report in self.abandoned],
@@ -235,25 +231,12 @@ def _solved(
         return solver.solve(program().nlp, warm=warm, callback=watch)
     if before is None or not isinstance(before.report, StageReport):
         return solver.solve_stages(problem_of(request, step), callback=watch)
-    if step.mesh is before.mesh and before.report.point is not None:
-        return _again(request, step, before.report, before.report.point, solver, watch)
     problem = carry_lines(before.mesh.grid, before.report, problem_of(request, step))
     if solver.initial_barrier is None:
         near = replace(solver, initial_barrier=WARM_BARRIER).solve_stages(problem, callback=watch)
         if near.status.success:
             return near
     return solver.solve_stages(problem, callback=watch)
-
-
-def _again(
-    request: Request, step: Step, report: StageReport, point: StagePoint, solver: Stagewise, watch: IterationCallback
-) -> StageReport:
-    """On the same mesh, from the earlier solution with all its multipliers."""
-    problem = moved_ends(report, request.scenario)
-    if problem is None:
-        problem = carry_lines(step.mesh.grid, report, problem_of(request, step))
-    near = replace(solver, initial_barrier=solver.initial_barrier or SAME_MESH_BARRIER)
-    return near.solve_stages(problem, warm=replace(point, v=problem.starting_point()), callback=watch)
 
 
 def _settings(request: Request, mesh: Mesh) -> Settings:

@@ -95,6 +95,16 @@ class SolveReport:
     backend_status: str = ""
     note: str = ""
 
+    @property
+    def n_variables(self) -> int:
+        """n."""
+        return self.x.size
+
+    @property
+    def n_rows(self) -> int:
+        """m."""
+        return self.g.size
+
     def to_dict(self) -> dict[str, Any]:
         """Plain data for reports, without the vectors."""
         return {

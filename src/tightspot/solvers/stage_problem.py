@@ -13,6 +13,8 @@ from tightspot.geometry.transforms import seen_from
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+_ENDS_AND_POINT = frozenset({"start", "goal", "states", "inputs", "final_time", "lines"})
+
 
 @dataclass(frozen=True)
 class LineForm:
@@ -166,6 +168,11 @@ class StageProblem:
         phi, mu = lines.T
         along = np.cos(phi) * self.pair_origins[:, 0] + np.sin(phi) * self.pair_origins[:, 1]
         return np.column_stack([phi, mu + sign * along])
+
+    def differs_in_ends_only(self, other: StageProblem) -> bool:
+        """True if all arrays but start, goal and the starting point are the very same objects in both."""
+        same = [name for name in self.__dataclass_fields__ if name not in _ENDS_AND_POINT]
+        return all(getattr(self, name) is getattr(other, name) for name in same)
 
     def replaced(self, **changes: Any) -> StageProblem:
         """A copy with other arrays."""

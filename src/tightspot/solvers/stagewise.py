@@ -150,6 +150,23 @@ class StageReport(SolveReport):
         report.__dict__.update(attributes)
         return report
 
+    @property
+    def n_variables(self) -> int:
+        """n, without computing x."""
+        return super().n_variables if self.core is None else self.core.v.size + self._units
+
+    @property
+    def n_rows(self) -> int:
+        """m, without computing g."""
+        core = self.core
+        return super().n_rows if core is None else core.rows.size + core.defects.size + self._units
+
+    @property
+    def _units(self) -> int:
+        """How many lines are written as vectors of at most unit length."""
+        problem = self.problem
+        return len(problem.pairs) if problem is not None and problem.form.vector else 0
+
     def to_dict(self) -> dict[str, Any]:
         """As :meth:`SolveReport.to_dict`, with the starts that were tried."""
         tried = [{"start": one.start, "status": one.status.name, "iterations": one.iterations} for one in self.attempts]
@@ -205,7 +222,12 @@ class Stagewise(Solver):
         raise InputError(Problem("solver", "stagewise solves a StageProblem, not an Nlp; use solve_stages, or ipopt"))
 
     def solve_stages(
-        self, problem: StageProblem, *, warm: StagePoint | None = None, callback: IterationCallback | None = None
+        self,
+        problem: StageProblem,
+        *,
+        warm: StagePoint | None = None,
+        callback: IterationCallback | None = None,
+        core: Any = None,
     ) -> StageReport:
         """Solve from the problem's own start, or from a point of an earlier solve of the same structure.
 
@@ -213,6 +235,8 @@ class Stagewise(Solver):
             problem: From :func:`tightspot.transcription.stage_problem`.
             warm: :attr:`StageReport.point` of a problem with as many intervals, pairs and rows.
             callback: Called after each iteration; return ``False`` to stop.
+            core: The :func:`core_solver` of a problem that differs from this one in its starting point and in the
+                values of start and goal alone. It spares the set-up, and serves one thread at a time.
 
         Returns:
             A report whatever happens: a failed solve is a status, not an exception. Where the warm start comes to
@@ -222,17 +246,19 @@ class Stagewise(Solver):
             InputError: An array does not fit the others.
         """
         if warm is not None:
-            return self._warm(problem, warm, callback)
-        report = self._first()._once(problem, None, callback)
+            return self._warm(problem, warm, callback, core)
+        report = self._first()._once(problem, None, callback, core=core)
         return self._gone_on(problem, report, callback)
 
     def _first(self) -> Stagewise:
         """For the first start: other ones are to have their turn, too."""
         return replace(self, max_iterations=2 * self.max_iterations // 5) if self.robust else self
 
-    def _warm(self, problem: StageProblem, warm: StagePoint, callback: IterationCallback | None) -> StageReport:
+    def _warm(
+        self, problem: StageProblem, warm: StagePoint, callback: IterationCallback | None, core: Any
+    ) -> StageReport:
         most = min(self.max_iterations, WARM_ITERATIONS) if self.robust else self.max_iterations
-        report = replace(self, max_iterations=most)._once(problem, warm, callback)
+        report = replace(self, max_iterations=most)._once(problem, warm, callback, core=core)
         if not self.robust or report.status not in _TRY_AGAIN:
             return report
         left = self.max_iterations - report.iterations
@@ -290,10 +316,14 @@ class Stagewise(Solver):
         warm: StagePoint | None,
         callback: IterationCallback | None,
         original: StageProblem | None = None,
+        core: Any = None,
     ) -> StageReport:
         """One solve from one start; the report is in the order of ``original``, the problem with its own lines."""
         started = time.perf_counter()
-        core = core_solver(problem)
+        if core is None:
+            core = core_solver(problem)
+        else:
+            _move_ends(core, problem)
         options = self.options(warm=warm is not None)
         _start(core, problem, warm)
         built = time.perf_counter()
@@ -403,6 +433,13 @@ class Stagewise(Solver):
         )
 
 
+def _move_ends(core: Any, problem: StageProblem) -> None:
+    try:
+        core.set_ends(problem.start, problem.goal)
+    except ValueError as error:
+        raise InputError(Problem("core", f"it is another problem's: {error}")) from None
+
+
 def _start(core: Any, problem: StageProblem, warm: StagePoint | None) -> None:
     try:
         with np.errstate(invalid="ignore", over="ignore"):
@@ -453,30 +490,30 @@ def _start_of(problem: StageProblem) -> Array | None:
 
 def _worst(problem: StageProblem, core: CorePoint, states: Array, inputs: Array, final_time: float) -> str:
     """What is violated most: a row, the dynamics, a bound, start or goal, and where it is."""
-    rows = np.maximum(0.0, -core.rows)
-    defects = np.abs(core.defects).reshape(problem.steps, -1).max(axis=1)
-    free_start, free_goal = np.isnan(problem.start), np.isnan(problem.goal)
     inner = np.maximum(problem.state_low - states, states - problem.state_high)
-    inner[0, ~free_start] = np.abs(states[0] - problem.start)[~free_start]
-    inner[-1, ~free_goal] = np.abs(states[-1] - problem.goal)[~free_goal]
+    for knot, end in ((0, problem.start), (-1, problem.goal)):
+        away = np.abs(states[knot] - end)
+        inner[knot] = np.where(np.isnan(end), inner[knot], away)
     outside = np.maximum(problem.input_low - inputs, inputs - problem.input_high)
     late = max(problem.time_low - final_time, final_time - problem.time_high)
     found = {
-        "separation or workspace": rows,
-        "dynamics": defects,
-        "bounds of the state": inner.max(axis=1),
-        "bounds of the input": outside.max(axis=1),
+        "rows": -core.rows,
+        "dynamics at knot": np.abs(core.defects),
+        "bounds of the state at knot": inner.ravel(),
+        "bounds of the input at knot": outside.ravel(),
         "bounds of t_f": np.array([late]),
     }
-    worst, largest = "", 0.0
-    for kind, values in found.items():
-        values = np.where(np.isnan(values), np.inf, values)
-        if values.size and values.max() > largest:
-            largest, knot = float(values.max()), int(values.argmax())
-            worst = kind if kind.startswith("separation") or kind.endswith("t_f") else f"{kind} at knot {knot}"
-            if kind.startswith("separation"):
-                worst = _row_sentence(problem, knot)
-    return worst
+    places = {kind: int(values.argmax()) for kind, values in found.items() if values.size}  # NaN counts as the largest
+    largest = {kind: float(found[kind][place]) for kind, place in places.items()}
+    worst = max(largest, key=lambda kind: np.inf if np.isnan(largest[kind]) else largest[kind])
+    if largest[worst] <= 0:
+        return ""
+    if worst == "rows":
+        return _row_sentence(problem, places[worst])
+    if not worst.endswith("knot"):
+        return worst
+    width = problem.input_weights.size if worst.startswith("bounds of the input") else problem.start.size
+    return f"{worst} {places[worst] // width}"
 
 
 def _row_sentence(problem: StageProblem, row: int) -> str:

@@ -45,6 +45,17 @@ class Newton {
     const std::vector<Bound>& bounds() const { return bounds_; }
     const Values<Model>& values() const { return values_; }
 
+    // Other values of start and goal. False, and nothing changes, if others of them are free than before.
+    bool move_ends(const Vector& start, const Vector& goal) {
+        const auto as_free = [](const Vector& one, const Vector& other) {
+            return std::equal(one.begin(), one.end(), other.begin(), other.end(),
+                              [](double a, double b) { return std::isnan(a) == std::isnan(b) && !std::isinf(a); });
+        };
+        if (!as_free(start, problem_.start) || !as_free(goal, problem_.goal)) return false;
+        problem_.start = start, problem_.goal = goal;
+        return true;
+    }
+
     // Numbers of the rows in the problem's order (see Problem) from those in the solver's, and back.
     Vector in_order(const Vector& of_rows) const {
         Vector result(of_rows.size());
