@@ -5,6 +5,7 @@ import signal
 import threading
 import time
 from collections import deque
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -15,7 +16,7 @@ from tightspot.formulations import SeparatingLine, SoftSignedDistance, SweptUnit
 from tightspot.geometry import ConvexPolygon
 from tightspot.guesses import LinearInterpolation
 from tightspot.scenarios import Obstacle, Scenario
-from tightspot.solvers import BACKENDS, SOLVERS, Fatrop, Ipopt, Nlp, SolveStatus, WarmStart, processes
+from tightspot.solvers import BACKENDS, SOLVERS, Fatrop, Ipopt, Nlp, SolveStatus, Stage, WarmStart, processes
 from tightspot.solvers.functions import lagrangian_gradient, values
 from tightspot.solvers.stage_form import stage_form
 from tightspot.transcription import Objective, Settings, TimeGrid, transcribe
@@ -131,9 +132,25 @@ def test_a_program_without_stages_is_one_stage():
     np.testing.assert_allclose(report.lam_g, [-3.0], atol=1e-5)
 
 
+def test_stages_that_share_nothing():
+    x = ca.SX.sym("x", 2)
+    stage = Stage(0, slice(0, 2), slice(2, 2), slice(2, 2), slice(0, 0), slice(0, 1))
+    plain = unstaged(ca.sumsqr(x), x, [x[0] + x[1]], [2.0], [2.0], x0=[0.2, 0.1])
+    report = Fatrop().solve(replace(plain, stages=(stage,)))
+    np.testing.assert_allclose(report.x, [1.0, 1.0], atol=1e-6)
+
+
+def test_too_many_equations_in_a_stage_are_a_status():
+    x = ca.SX.sym("x", 1)
+    report = Fatrop().solve(unstaged(x**2, x, [x, x - 1], [0.0, 0.0], [0.0, 0.0]))
+    assert not report.status.success
+
+
 def test_limits_and_stops_are_statuses():
     nlp = program()
-    assert Fatrop(max_iterations=2).solve(nlp).status is SolveStatus.ITERATION_LIMIT
+    limited = Fatrop(max_iterations=2).solve(nlp)
+    assert limited.status is SolveStatus.ITERATION_LIMIT
+    assert limited.iterations == 2
     seen = []
     stopped = Fatrop().solve(nlp, callback=lambda iteration: seen.append(iteration) or iteration.number < 3)
     assert stopped.status is SolveStatus.STOPPED

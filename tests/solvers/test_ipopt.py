@@ -266,3 +266,20 @@ def test_every_status_has_a_sentence():
         SolveStatus.SOLVED,
         SolveStatus.ACCEPTABLE,
     ]
+
+
+def test_a_start_that_is_not_a_number_is_not_solved_by_saying_so():
+    x = ca.SX.sym("x", 2)
+    report = Ipopt(tolerance=1e-4).solve(program(ca.SX(0), x, lbx=[1.0, -1.0], ubx=[2.0, 1.0], x0=[INF, 0.3]))
+    assert report.status.success == bool(np.isfinite(report.x).all())
+    assert np.isfinite(report.violation) == bool(np.isfinite(report.x).all())
+
+
+def test_a_program_that_ipopt_does_not_begin_has_no_iterations():
+    Ipopt().solve(rosenbrock())
+    x = ca.SX.sym("x", 1)
+    overdetermined = program(x**2, x, [x[0], x[0] - 1], [0.0, 0.0], [0.0, 0.0])
+    for _ in range(2):
+        report = Ipopt(max_iterations=3).solve(overdetermined)
+        assert not report.status.success
+        assert report.iterations <= 3

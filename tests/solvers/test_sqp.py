@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+import time
 from collections import deque
 
 import casadi as ca
@@ -11,7 +12,7 @@ import pytest
 from tests.solvers.test_ipopt import INF, program, rosenbrock
 
 from tightspot.errors import InputError
-from tightspot.solvers import SOLVERS, Ipopt, RowBlock, SolveStatus, Sqp, WarmStart
+from tightspot.solvers import SOLVERS, Ipopt, RowBlock, SolveStatus, Sqp, WarmStart, remote
 
 
 def test_the_registry_knows_the_backend():
@@ -75,6 +76,40 @@ def test_what_cannot_be_evaluated_is_a_status():
     x = ca.SX.sym("x", 1)
     report = Sqp().solve(program(ca.sqrt(x - 5) + x**2, x, x0=0.0))
     assert not report.status.success
+
+
+def hopeless():
+    """From this start Uno (CasADi 3.8.2) does not come back: it goes on without an iteration."""
+    x = ca.SX.sym("x", 6)
+    f = 1e8 * ca.sqrt(x[3]) + x[4] ** 4 + 1e-8 * x[0] * x[2] - x[0] + ca.sumsqr(x - 1)
+    lbx, ubx = [0, 0, 0, -1, -1e-9, -1e-9], [0, 1e-12, 1e-12, 2, -1e-9, -1e-9]
+    rows = [3 * x[2] ** 2, ca.fabs(x[4])]
+    return program(f, x, rows, [-1e-9, 0.0], [3.0, 1.0], lbx=lbx, ubx=ubx, x0=[1, -1, 1e-8, 1e6, 0, -1])
+
+
+def test_what_hangs_is_stopped_when_the_time_is_up():
+    began = time.perf_counter()
+    report = Sqp(time_limit=0.5, max_iterations=5).solve(hopeless())
+    assert report.iterations <= 5
+    assert report.status.success or report.status.sentence
+    assert time.perf_counter() - began < 30.0
+    again = Sqp().solve(rosenbrock())
+    assert again.status is SolveStatus.SOLVED, "what was stopped does no harm to the next"
+
+
+def test_a_process_that_crashes_is_a_status(monkeypatch):
+    monkeypatch.setattr(remote, "SCRIPT", remote.SCRIPT.with_name("__init__.py"))  # ends without an answer
+    report = Sqp().solve(rosenbrock())
+    assert report.status is SolveStatus.NUMERICAL
+    assert "its process was" in report.backend_status
+
+
+def test_nothing_to_move_is_a_status():
+    x = ca.SX.sym("x", 2)
+    report = Sqp().solve(program(ca.sumsqr(x), x, [x[0]], [0.0], [1.0], lbx=[2, 3], ubx=[2, 3], x0=[0, 0]))
+    assert not report.status.success
+    np.testing.assert_array_equal(report.x, [2, 3])
+    assert report.violation == 1.0
 
 
 @pytest.mark.parametrize(

@@ -17,25 +17,17 @@ import casadi as ca
 import numpy as np
 
 from tightspot.errors import InputError, Problem
-from tightspot.solvers.base import (
-    Array,
-    Iteration,
-    IterationCallback,
-    Solver,
-    SolveReport,
-    SolveStatus,
-    WarmStart,
-)
+from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
 from tightspot.solvers.built import built
 from tightspot.solvers.compiled import library, write_functions
 from tightspot.solvers.functions import complementarity, lagrangian_gradient, text_of, values
-from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
-from tightspot.solvers.processes import ENDED, Worker, worker
+from tightspot.solvers.remote import Outcome, solve_elsewhere
 from tightspot.solvers.stage_form import StageForm, stage_form
 
-SCRIPT = Path(__file__).with_name("fatrop_worker.py")
-POLL_SECONDS = 0.05
+TOO_MANY_EQUATIONS = "number_of_eq_constraints"
+"""In what fatrop says of a stage with more equations than it can hold."""
+
 LOOSEST = 1e-6
 """Violation, stationarity and complementarity, the latter two relative to the largest multiplier, of a solution."""
 
@@ -103,29 +95,25 @@ class Fatrop(Solver):
 
     def _outcome(
         self, nlp: Nlp, program: _Program, start: Array, callback: IterationCallback | None, deadline: float
-    ) -> _Outcome:
-        """Put the task to a process and listen until it is done, late, broken or stopped."""
-        form, interrupts = program.form, Interrupts()
+    ) -> Outcome:
+        """What comes of the program in the other process."""
+        form = program.form
         bounds = form.bounds(nlp)
         fatrop = {"print_level": 10, "tol": self.tolerance, "max_iter": self.max_iterations} | dict(self.options)
         options = {**_structure(form), "equality": (bounds["lbg"] == bounds["ubg"]).tolist(), "fatrop": fatrop}
         task = {
-            "key": f"{program.key} {options}",
+            "plugin": "fatrop",
+            "key": f"fatrop {program.key} {options}",
             "options": options,
             "arguments": {"x0": start[form.variables], "p": nlp.p0, **bounds},
         }
-        outcome = None
-        try:
-            with interrupts, worker(SCRIPT) as process:
-                process.send("solve", task)
-                outcome = _listen(process, program, callback, interrupts, deadline)
-        except OSError as error:
-            return _Outcome(SolveStatus.FAILED, word=f"its process cannot be started ({error.strerror or error})")
-        interrupts.deliver()
+        outcome = solve_elsewhere(task, program.text, program.library, callback, deadline=deadline)
+        if outcome.refusal and TOO_MANY_EQUATIONS not in outcome.refusal:
+            raise InputError(Problem("solver.options", f"fatrop refuses: {outcome.refusal.split(': ', 1)[-1]}"))
         return outcome
 
     def _report(
-        self, nlp: Nlp, program: _Program, start: Array, outcome: _Outcome, timings: dict[str, float]
+        self, nlp: Nlp, program: _Program, start: Array, outcome: Outcome, timings: dict[str, float]
     ) -> SolveReport:
         x, lam_x, lam_g = start, np.zeros(nlp.n_variables), np.zeros(nlp.n_rows)
         if outcome.answer is not None:
@@ -147,12 +135,12 @@ class Fatrop(Solver):
             g=g,
             lam_x=lam_x,
             lam_g=lam_g,
-            iterations=int(outcome.answer["iterations"]) if outcome.answer else outcome.iterations,
+            iterations=min(outcome.answer["iterations"] if outcome.answer else outcome.iterations, self._limit()),
             violation=violation,
             stationarity=stationarity,
             worst=worst,
             timings=timings,
-            backend_status=outcome.word,
+            backend_status=f"return flag {outcome.word}" if outcome.answer else outcome.word,
             note=program.note,
         )
 
@@ -167,8 +155,11 @@ class Fatrop(Solver):
             return SolveStatus.SOLVED if answer["success"] else SolveStatus.ACCEPTABLE
         if answer["success"]:
             return SolveStatus.NUMERICAL
-        limit = dict(self.options).get("max_iter", self.max_iterations)
-        return SolveStatus.ITERATION_LIMIT if answer["iterations"] >= limit else SolveStatus.FAILED
+        return SolveStatus.ITERATION_LIMIT if answer["iterations"] >= self._limit() else SolveStatus.FAILED
+
+    def _limit(self) -> int:
+        """Of iterations; fatrop counts the one that it does not make, too."""
+        return int(dict(self.options).get("max_iter", self.max_iterations))
 
 
 class _Program(NamedTuple):
@@ -179,61 +170,6 @@ class _Program(NamedTuple):
     library: str | None
     key: str
     note: str
-
-
-class _Outcome(NamedTuple):
-    """How a task ended: a status, or an answer that is still to be looked at."""
-
-    status: SolveStatus | None
-    answer: dict[str, Any] | None = None
-    word: str = ""
-    iterations: int = 0
-    build: float = 0.0
-    solve: float = 0.0
-
-    @property
-    def functions(self) -> float:
-        """Seconds spent in the program's functions."""
-        return float(self.answer["functions"]) if self.answer else 0.0
-
-
-def _listen(
-    process: Worker, program: _Program, callback: IterationCallback | None, interrupts: Interrupts, deadline: float
-) -> _Outcome:
-    """What comes of the task; the process is killed unless it has answered."""
-    started = time.perf_counter()
-    build, iterations = None, 0
-
-    def ended(status: SolveStatus | None, word: str, answer: dict[str, Any] | None = None) -> _Outcome:
-        if answer is None:
-            process.kill()
-        seconds = time.perf_counter() - started
-        solve = answer["seconds"] if answer else seconds - (build or seconds)
-        return _Outcome(status, answer, word, iterations, max(0.0, seconds - solve), solve)
-
-    while True:
-        message = process.receive(POLL_SECONDS)
-        if interrupts.pending:
-            return ended(SolveStatus.STOPPED, "interrupted")
-        word: str
-        content: Any
-        word, content = message or ("", None)
-        if word == "program?":
-            process.send("program", {"text": program.text, "library": program.library})
-        elif word == "built":
-            build = time.perf_counter() - started
-        elif word == "iteration":
-            iterations = content[0]
-            if callback is not None and callback(Iteration(*content)) is False:
-                return ended(SolveStatus.STOPPED, "stopped by the callback")
-        elif word == "done":
-            return ended(None, f"return flag {content['flag']}", content)
-        elif word == "refused":
-            raise InputError(Problem("solver.options", f"fatrop refuses: {content.split(': ', 1)[-1]}"))
-        elif word == ENDED:
-            return ended(SolveStatus.NUMERICAL, f"its process was {content}")
-        if time.perf_counter() > deadline:
-            return ended(SolveStatus.TIME_LIMIT, "its process was stopped when the time was up")
 
 
 def _structure(form: StageForm) -> dict[str, Any]:

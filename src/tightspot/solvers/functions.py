@@ -13,6 +13,9 @@ from tightspot.solvers.nlp import Nlp
 
 Array = NDArray[np.float64]
 
+LOOSEST = 1e-6
+"""Largest violation of what is called solved, unless looser tolerances are asked for."""
+
 
 def text_of(*symbols: Any) -> str:
     """A program's symbols (x, p, f, g) written down: the same text for the same computation."""
@@ -37,6 +40,16 @@ def lagrangian_gradient(nlp: Nlp, x: Array, lam_g: Array) -> Array:
 
     with built(nlp, "gradient", build) as function:
         return np.array(function(x, nlp.p0, lam_g), float).ravel()
+
+
+def upheld(facts: Array, tolerance: float) -> bool:
+    """Whether a back end's word that it has solved a program may stand.
+
+    Args:
+        facts: J, the entries of x, and last the largest violation at x, all computed outside the back end.
+        tolerance: What the back end was told to reach, by its own scaling of the rows.
+    """
+    return bool(np.isfinite(facts).all() and facts[-1] <= max(LOOSEST, 10 * tolerance))
 
 
 def complementarity(nlp: Nlp, x: Array, g: Array, lam_x: Array, lam_g: Array) -> float:

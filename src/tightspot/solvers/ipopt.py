@@ -15,7 +15,7 @@ from tightspot.errors import InputError, Problem
 from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
 from tightspot.solvers.built import built
 from tightspot.solvers.compiled import library, write_functions
-from tightspot.solvers.functions import text_of
+from tightspot.solvers.functions import text_of, upheld
 from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
 from tightspot.solvers.watcher import Watcher
@@ -34,6 +34,8 @@ _STATUS = {
     "Error_In_Step_Computation": SolveStatus.NUMERICAL,
     "Invalid_Number_Detected": SolveStatus.NUMERICAL,
 }
+_NOT_BEGUN = ("Not_Enough_Degrees_Of_Freedom", "Invalid_Problem_Definition", "Invalid_Option")
+"""Words with which the count of iterations is still that of the solve before."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +136,11 @@ class Ipopt(Solver):
             }
         return options | dict(self.options)
 
+    def _loosest(self) -> float:
+        """The tolerance that IPOPT has reached when it speaks of success."""
+        told = dict(self.options)
+        return float(max(told.get("tol", self.tolerance), told.get("constr_viol_tol", 0.0)))
+
     def _report(self, nlp: Nlp, solver: _Built, result: Mapping[str, Any], timings: dict[str, float]) -> SolveReport:
         stats = solver.function.stats()
         x, g, lam_x, lam_g = (np.array(result[key], float).ravel() for key in ("x", "g", "lam_x", "lam_g"))
@@ -144,6 +151,8 @@ class Ipopt(Solver):
         status = _STATUS.get(stats["return_status"], SolveStatus.FAILED)
         if status is SolveStatus.STOPPED and solver.watcher.late:
             status = SolveStatus.TIME_LIMIT
+        if status.success and not upheld(np.array([float(result["f"]), *x, violation]), self._loosest()):
+            status = SolveStatus.NUMERICAL
         return SolveReport(
             status=status,
             solver=self.name,
@@ -152,7 +161,7 @@ class Ipopt(Solver):
             g=g,
             lam_x=lam_x,
             lam_g=lam_g,
-            iterations=int(stats["iter_count"]),
+            iterations=0 if stats["return_status"] in _NOT_BEGUN else int(stats["iter_count"]),
             violation=violation,
             stationarity=_stationarity(solver.function, nlp, x, lam_x, lam_g),
             worst=worst,

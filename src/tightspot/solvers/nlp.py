@@ -148,7 +148,7 @@ class Nlp:
     def worst(self, x: Array, g: Array) -> tuple[str, float]:
         """What the most violated row is about ("" without rows), and the largest violation of a row or bound."""
         block, violation = self.worst_row(g)
-        outside = np.maximum(self.lbx - x, x - self.ubx)
+        outside = np.nan_to_num(np.maximum(self.lbx - x, x - self.ubx), nan=np.inf)
         return block.describe() if block else "", max(violation, float(outside.max(initial=0.0)))
 
     def block_of(self, row: int) -> RowBlock | None:

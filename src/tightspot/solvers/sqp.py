@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
 from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
-from tightspot.solvers.functions import lagrangian_gradient
-from tightspot.solvers.interrupts import Interrupts
+from tightspot.solvers.built import built
+from tightspot.solvers.functions import lagrangian_gradient, text_of, upheld, values
 from tightspot.solvers.nlp import Nlp
-from tightspot.solvers.watcher import Watcher
+from tightspot.solvers.remote import solve_elsewhere
 
 _STATUS = {
     "Converged with feasible KKT point": SolveStatus.SOLVED,
@@ -26,6 +27,9 @@ _STATUS = {
     "Terminated with feasible small step": SolveStatus.NUMERICAL,
     "Terminated with unbounded problem": SolveStatus.DIVERGED,
 }
+GRACE = 1.0
+"""How long after its time limit Uno is stopped, s."""
+
 _NUMERICAL = ("SOLVER_RET_NAN", "SOLVER_RET_EXCEPTION")
 
 
@@ -34,8 +38,8 @@ class Sqp(Solver):
     """Trust-region filter SQP with exact Hessians: few iterations, each with a quadratic program.
 
     The best SQP method of CasADi's wheel on these programs, see ``benchmarks/results/sqp_solvers.md``. Variables whose
-    bounds are equal (start and goal) are given to it as parameters. A time limit is looked at between iterations, so
-    that a solve ends one quadratic program late.
+    bounds are equal (start and goal) are given to it as parameters. It runs in a process of its own, as it can hang and
+    crash. It looks at the time limit between iterations; its process is stopped a second later.
 
     Attributes:
         tolerance: Of the constraints and of the Lagrangian's gradient.
@@ -62,132 +66,124 @@ class Sqp(Solver):
         self, nlp: Nlp, *, warm: WarmStart | None = None, callback: IterationCallback | None = None
     ) -> SolveReport:
         started = time.perf_counter()
-        interrupts = Interrupts()
         free = np.flatnonzero(nlp.lbx != nlp.ubx)
-        watcher = Watcher(nlp, free.size)
-        watcher.begin(nlp, callback, interrupts)
-        function = self._function(nlp, free, watcher)
-        built = time.perf_counter()
-        arguments = _arguments(nlp, free, warm)
-        result, complaint = None, ""
-        with interrupts:
-            try:
-                result = function(**arguments)
-            except RuntimeError as error:  # Uno gives up on some iterates by an exception
-                complaint = str(error).strip().splitlines()[-1]
-        interrupts.deliver()
-        if watcher.raised is not None:
-            raise watcher.raised
-        timings = {"build": built - started, "solve": time.perf_counter() - built}
-        if result is None:
-            return _broken(nlp, nlp.x0 if warm is None else warm.x, timings, complaint)
-        return self._report(nlp, free, function, result, timings, stopped=watcher.stopped)
-
-    def _function(self, nlp: Nlp, free: NDArray[np.intp], watcher: Watcher) -> Any:
-        fixed = np.setdiff1d(np.arange(nlp.n_variables), free)
-        variables = ca.vertcat(*(nlp.x[int(index)] for index in free))
-        given = ca.vertcat(nlp.p, *(nlp.x[int(index)] for index in fixed))
-        options: dict[str, Any] = {
-            "uno": {
-                "preset": self.preset,
-                "logger": "SILENT",
-                "primal_tolerance": self.tolerance,
-                "dual_tolerance": self.tolerance,
-                "max_iterations": self.max_iterations,
-                "time_limit": self.time_limit,
+        start = (nlp.x0 if warm is None else warm.x).copy()
+        start[nlp.lbx == nlp.ubx] = nlp.lbx[nlp.lbx == nlp.ubx]
+        if not free.size:
+            return _at(nlp, start, SolveStatus.FAILED, {"build": 0.0, "solve": 0.0}, "no variable is free to move")
+        with built(nlp, (self.name, tuple(free)), lambda: _text(nlp, free)) as text:
+            task = {
+                "plugin": "uno",
+                "key": f"uno {hashlib.sha256(text.encode()).hexdigest()} {self._options()}",
+                "options": self._options(),
+                "arguments": _arguments(nlp, free, start, warm),
             }
-            | dict(self.options),
-            "iteration_callback": watcher,
+            ready = time.perf_counter()
+            outcome = solve_elsewhere(task, text, None, callback, seconds=self.time_limit + GRACE)
+        if outcome.status is SolveStatus.FAILED and outcome.refusal:
+            raise InputError(
+                Problem("solver.options", f"Uno refuses the options: {outcome.refusal.split(': ', 1)[-1]}")
+            )
+        timings = {"build": ready - started + outcome.build, "solve": outcome.solve, "functions": outcome.functions}
+        if outcome.answer is None:
+            status = outcome.status or SolveStatus.FAILED
+            return _at(nlp, start, status, timings, outcome.word, iterations=outcome.iterations)
+        return self._report(nlp, free, outcome.answer, timings)
+
+    def _options(self) -> dict[str, Any]:
+        """CasADi's and Uno's."""
+        uno = {
+            "preset": self.preset,
+            "logger": "SILENT",
+            "primal_tolerance": self.tolerance,
+            "dual_tolerance": self.tolerance,
+            "max_iterations": self.max_iterations,
+            "time_limit": self.time_limit,
+        }
+        return {
+            "uno": uno | dict(self.options),
             "print_time": False,
             "error_on_fail": False,
             "show_eval_warnings": False,
         }
-        try:
-            return ca.nlpsol("nlp", "uno", {"x": variables, "p": given, "f": nlp.f, "g": nlp.g}, options)
-        except RuntimeError as error:
-            reason = str(error).strip().splitlines()[-1].split(": ", 1)[-1]
-            raise InputError(Problem("solver.options", f"Uno refuses the options: {reason}")) from None
 
     def _report(
-        self,
-        nlp: Nlp,
-        free: NDArray[np.intp],
-        function: Any,
-        result: Mapping[str, Any],
-        timings: dict[str, float],
-        *,
-        stopped: bool,
+        self, nlp: Nlp, free: NDArray[np.intp], answer: Mapping[str, Any], timings: dict[str, float]
     ) -> SolveReport:
-        stats = function.stats()
-        x = nlp.lbx.copy()
-        x[free] = np.array(result["x"]).ravel()
-        g, lam_g = (np.array(result[key], float).ravel() for key in ("g", "lam_g"))
-        lam_x = np.zeros(x.size)
-        lam_x[free] = np.array(result["lam_x"]).ravel()
+        x, lam_x = nlp.lbx.copy(), np.zeros(nlp.n_variables)
+        x[free], lam_x[free] = answer["x"], answer["lam_x"]
+        lam_g = answer["lam_g"]
+        objective, g = values(nlp, x)
         gradient = lagrangian_gradient(nlp, x, lam_g)
         fixed = nlp.lbx == nlp.ubx
         lam_x[fixed] = -gradient[fixed]
-        timings["functions"] = float(sum(value for key, value in stats.items() if key.startswith("t_wall_")))
         worst, violation = nlp.worst(x, g)
         return SolveReport(
-            status=self._status(stats, timings["solve"], stopped=stopped),
+            status=self._status(answer, timings["solve"], np.array([objective, *x, violation])),
             solver=self.name,
             x=x,
-            objective=float(result["f"]),
+            objective=objective,
             g=g,
             lam_x=lam_x,
             lam_g=lam_g,
-            iterations=int(stats["iter_count"]),
+            iterations=int(answer["iterations"]),
             violation=violation,
             stationarity=float(np.abs(gradient + lam_x).max() / max(1.0, np.abs(lam_g).max(initial=0.0))),
             worst=worst,
             timings=timings,
-            backend_status=str(stats["return_status"]),
+            backend_status=answer["word"],
         )
 
-    def _status(self, stats: Mapping[str, Any], seconds: float, *, stopped: bool) -> SolveStatus:
-        """Uno's word, and for "not optimal" the limit that ended it."""
-        word = str(stats["return_status"])
-        if word in _STATUS:
-            return _STATUS[word]
-        if stopped:
-            return SolveStatus.STOPPED
-        if stats["unified_return_status"] in _NUMERICAL:
+    def _status(self, answer: Mapping[str, Any], seconds: float, facts: Array) -> SolveStatus:
+        """Uno's word, and for "not optimal" the limit that ended it; no success where J, x or the violation says no."""
+        status = _STATUS.get(answer["word"])
+        if status is not None:
+            return SolveStatus.NUMERICAL if status.success and not upheld(facts, self.tolerance) else status
+        if answer["unified"] in _NUMERICAL:
             return SolveStatus.NUMERICAL
-        if stats["iter_count"] >= dict(self.options).get("max_iterations", self.max_iterations):
+        if answer["iterations"] >= dict(self.options).get("max_iterations", self.max_iterations):
             return SolveStatus.ITERATION_LIMIT
         if seconds >= dict(self.options).get("time_limit", self.time_limit):
             return SolveStatus.TIME_LIMIT
         return SolveStatus.FAILED
 
 
-def _broken(nlp: Nlp, x: Array, timings: dict[str, float], complaint: str) -> SolveReport:
-    """The report of a solve that Uno broke off without a last iterate: it stands at its starting point."""
-    f, g = ca.Function("start", [nlp.x, nlp.p], [nlp.f, nlp.g])(x, nlp.p0)
-    rows = np.array(g, float).ravel()
+def _text(nlp: Nlp, free: NDArray[np.intp]) -> str:
+    """The program of the free variables; the others are the last parameters."""
+    fixed = np.setdiff1d(np.arange(nlp.n_variables), free)
+    variables = ca.vertcat(*(nlp.x[int(index)] for index in free))
+    given = ca.vertcat(nlp.p, *(nlp.x[int(index)] for index in fixed))
+    return text_of(variables, given, nlp.f, nlp.g)
+
+
+def _at(
+    nlp: Nlp, x: Array, status: SolveStatus, timings: dict[str, float], word: str, *, iterations: int = 0
+) -> SolveReport:
+    """The report of a solve without a last iterate: it stands at its starting point."""
+    objective, rows = values(nlp, x)
     worst, violation = nlp.worst(x, rows)
     return SolveReport(
-        status=SolveStatus.NUMERICAL,
+        status=status,
         solver=Sqp.name,
         x=x,
-        objective=float(f),
+        objective=objective,
         g=rows,
         lam_x=np.zeros(x.size),
         lam_g=np.zeros(rows.size),
-        iterations=0,
+        iterations=iterations,
         violation=violation,
         stationarity=np.inf,
         worst=worst,
         timings=timings,
-        backend_status=complaint,
+        backend_status=word,
     )
 
 
-def _arguments(nlp: Nlp, free: NDArray[np.intp], warm: WarmStart | None) -> dict[str, Any]:
+def _arguments(nlp: Nlp, free: NDArray[np.intp], start: Array, warm: WarmStart | None) -> dict[str, Any]:
     """The call's arguments, with the variables that cannot move among the parameters."""
     fixed = np.setdiff1d(np.arange(nlp.n_variables), free)
     arguments: dict[str, Any] = {
-        "x0": (nlp.x0 if warm is None else warm.x)[free],
+        "x0": start[free],
         "p": np.concatenate([nlp.p0, nlp.lbx[fixed]]),
         "lbx": nlp.lbx[free],
         "ubx": nlp.ubx[free],

@@ -145,7 +145,7 @@ class _Rewriter:
 
     def _own(self, expression: Any, k: int) -> Any:
         """With the stage's own copy of the shared variables."""
-        return ca.substitute(expression, self.shared, self.copies[k])
+        return ca.substitute(expression, self.shared, self.copies[k]) if _size(self.nlp.shared) else expression
 
     def _path(self, hosted: Stage, k: int) -> Any:
         rows = self.nlp.g[hosted.path]
