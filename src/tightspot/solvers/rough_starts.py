@@ -59,6 +59,7 @@ def without_pairs(problem: StageProblem) -> StageProblem:
         pairs=problem.pairs[:0],
         pair_origins=problem.pair_origins[:0],
         pair_sides=problem.pair_sides[:0],
+        pair_extras=problem.pair_extras[:0],
         lines=problem.lines[:0],
     )
 
