@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tightspot.errors import InputError
-from tightspot.solvers import Nlp, RowBlock
+from tightspot.solvers import BACKENDS, Nlp, RowBlock
 
 BLOCKS = (RowBlock(slice(0, 2), "dynamics", 3), RowBlock(slice(2, 3), "separation", 4, "body / wall/0"))
 
@@ -79,3 +79,25 @@ def test_rows_outside_all_blocks_have_no_block():
 def test_what_does_not_fit_is_refused(changes, words):
     with pytest.raises(InputError, match=words):
         make(**changes)
+
+
+@pytest.mark.parametrize("backend", BACKENDS.values(), ids=lambda backend: backend.name)
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [(name, value) for name in ("tolerance", "time_limit") for value in (0, -1.0, np.nan, np.inf, None, "1")]
+    + [("max_iterations", value) for value in (-1, 1.5, None, "3", 10**12)],
+)
+def test_limits_that_make_no_sense_are_named(backend, name, value):
+    with pytest.raises(InputError, match=rf"solver\.{name}: "):
+        backend(**{name: value})
+
+
+@pytest.mark.parametrize("backend", BACKENDS.values(), ids=lambda backend: backend.name)
+def test_limits_may_be_of_any_type_of_number(backend):
+    solver = backend(tolerance=np.float32(1e-6), time_limit=5, max_iterations=np.int64(7))
+    assert solver.with_time_limit(1.0).time_limit == 1.0
+
+
+def test_a_point_that_is_not_a_number_violates():
+    nlp = make()
+    assert nlp.worst(np.array([np.nan, 0.0]), np.zeros(3))[1] == np.inf

@@ -11,9 +11,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.errors import Problem
 from tightspot.solvers.nlp import Nlp
 
 Array = NDArray[np.float64]
+
+MOST = 2**31 - 1
+"""Iterations: what compiled code counts to."""
 
 
 class SolveStatus(Enum):
@@ -140,10 +144,27 @@ class WarmStart:
     push: float = 1e-6
 
 
+def limit_problems(solver: Solver) -> list[Problem]:
+    """What is wrong with a backend's ``tolerance``, ``time_limit`` and ``max_iterations``."""
+    problems = []
+    for name in ("tolerance", "time_limit"):
+        value = getattr(solver, name)
+        if not isinstance(value, (int, float, np.floating, np.integer)) or not 0 < value < np.inf:
+            problems.append(Problem(f"solver.{name}", f"{value!r} must be positive and finite"))
+    most = solver.max_iterations
+    if not isinstance(most, (int, np.integer)) or not 0 <= most <= MOST:
+        problems.append(
+            Problem("solver.max_iterations", f"{most!r} must be a whole number, not negative, at most {MOST}")
+        )
+    return problems
+
+
 class Solver(ABC):
     """A backend: solves any :class:`Nlp` whose structure it can use."""
 
     name: ClassVar[str]
+    tolerance: float
+    max_iterations: int
     time_limit: float
 
     @abstractmethod

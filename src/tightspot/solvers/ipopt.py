@@ -12,7 +12,15 @@ import casadi as ca
 import numpy as np
 
 from tightspot.errors import InputError, Problem
-from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.base import (
+    Array,
+    IterationCallback,
+    Solver,
+    SolveReport,
+    SolveStatus,
+    WarmStart,
+    limit_problems,
+)
 from tightspot.solvers.built import built
 from tightspot.solvers.compiled import library, write_functions
 from tightspot.solvers.functions import text_of, upheld
@@ -62,6 +70,10 @@ class Ipopt(Solver):
     time_limit: float = 60.0
     compiled: bool = False
     options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if problems := limit_problems(self):
+            raise InputError(problems)
 
     def with_time_limit(self, seconds: float) -> Ipopt:
         return replace(self, time_limit=min(self.time_limit, max(seconds, 0.1)))

@@ -13,7 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
-from tightspot.solvers.base import Array, IterationCallback, Solver, SolveReport, SolveStatus, WarmStart
+from tightspot.solvers.base import (
+    Array,
+    IterationCallback,
+    Solver,
+    SolveReport,
+    SolveStatus,
+    WarmStart,
+    limit_problems,
+)
 from tightspot.solvers.built import built
 from tightspot.solvers.functions import lagrangian_gradient, text_of, upheld, values
 from tightspot.solvers.nlp import Nlp
@@ -59,6 +67,10 @@ class Sqp(Solver):
     preset: str = "filtersqp"
     options: Mapping[str, Any] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        if problems := limit_problems(self):
+            raise InputError(problems)
+
     def with_time_limit(self, seconds: float) -> Sqp:
         return replace(self, time_limit=min(self.time_limit, max(seconds, 0.1)))
 
@@ -95,10 +107,10 @@ class Sqp(Solver):
         uno = {
             "preset": self.preset,
             "logger": "SILENT",
-            "primal_tolerance": self.tolerance,
-            "dual_tolerance": self.tolerance,
-            "max_iterations": self.max_iterations,
-            "time_limit": self.time_limit,
+            "primal_tolerance": float(self.tolerance),  # Uno ignores numbers of another type
+            "dual_tolerance": float(self.tolerance),
+            "max_iterations": int(self.max_iterations),
+            "time_limit": float(self.time_limit),
         }
         return {
             "uno": uno | dict(self.options),

@@ -20,6 +20,7 @@ from tightspot.solvers.base import (
     SolveReport,
     SolveStatus,
     WarmStart,
+    limit_problems,
 )
 from tightspot.solvers.nlp import Nlp
 from tightspot.solvers.rough_starts import can_start_again, ways
@@ -198,13 +199,9 @@ class Stagewise(Solver):
     robust: bool = True
 
     def __post_init__(self) -> None:
-        problems = [
-            Problem(f"solver.{name}", f"{value} must be positive and finite")
-            for name in ("tolerance", "time_limit", "initial_barrier")
-            if (value := getattr(self, name)) is not None and not (np.isfinite(value) and value > 0)
-        ]
-        if self.max_iterations < 0:
-            problems.append(Problem("solver.max_iterations", f"{self.max_iterations} must not be negative"))
+        problems, barrier = limit_problems(self), self.initial_barrier
+        if barrier is not None and not (np.isfinite(barrier) and barrier > 0):
+            problems.append(Problem("solver.initial_barrier", f"{barrier} must be positive and finite"))
         if problems:
             raise InputError(problems)
 
