@@ -119,11 +119,16 @@ Problem to_problem(nb::handle from) {
     problem.radii = doubles(from, "part_radii");
     const Indices pairs = integers(from, "pairs");
     const Vector origins = doubles(from, "pair_origins"), sides = doubles(from, "pair_sides");
+    const Vector penalties = doubles(from, "pair_penalties");
     need(origins.size() == pairs.size() / 3 * 2 && pairs.size() % 3 == 0, "pair_origins");
     need(sides.size() == origins.size(), "pair_sides");
-    for (std::size_t i = 0; 3 * i < pairs.size(); ++i)
+    need(penalties.size() == origins.size(), "pair_penalties");
+    for (std::size_t i = 0; 3 * i < pairs.size(); ++i) {
+        const bool soft = !std::isnan(penalties[2 * i]);
+        const Penalty penalty{soft ? penalties[2 * i] : 0, soft ? penalties[2 * i + 1] : 0, soft};
         problem.pairs.push_back({pairs[3 * i], pairs[3 * i + 1], pairs[3 * i + 2],
-                                 {origins[2 * i], origins[2 * i + 1]}, sides[2 * i], sides[2 * i + 1], 0});
+                                 {origins[2 * i], origins[2 * i + 1]}, sides[2 * i], sides[2 * i + 1], 0, penalty});
+    }
     const Vector extras = doubles(from, "pair_extras");
     need(extras.empty() || extras.size() == problem.pairs.size(), "pair_extras");
     for (std::size_t i = 0; i < extras.size(); ++i) problem.pairs[i].extra = extras[i];
@@ -186,8 +191,8 @@ Polygons polygons(const Array& vertices, const Integers& first, const char* what
     return result;
 }
 
-// (phi, offset, x, y) of every pair: see start_lines.hpp. `frames` holds the poses (x, y, theta) of each moving obstacle's
-// frame at all samples.
+// (phi, offset, x, y, gap) of every pair: see start_lines.hpp. `frames` holds the poses (x, y, theta) of each moving
+// obstacle's frame at all samples.
 Table start_lines(const Array& states, const Integers& pieces, bool at_knots, const Array& part_vertices,
                   const Integers& part_first, const Array& obstacle_vertices, const Integers& obstacle_first,
                   const Integers& pairs, const Integers& moving, const Array& frames) {
@@ -211,7 +216,7 @@ Table start_lines(const Array& states, const Integers& pieces, bool at_knots, co
     const GuessedMotion motion{states.data(), static_cast<int>(states.shape(1)), each, at_knots};
     StartLines lines(parts, obstacles);
     Vector result;
-    result.reserve(wanted.size() / 3 * 4);
+    result.reserve(wanted.size() / 3 * 5);
     for (std::size_t i = 0; i < wanted.size(); i += 3) {
         const int k = wanted[i], part = wanted[i + 1], obstacle = wanted[i + 2];
         need(k >= 0 && k < steps && part >= 0 && part < parts.size() && obstacle >= 0 && obstacle < obstacles.size(),
@@ -219,9 +224,9 @@ Table start_lines(const Array& states, const Integers& pieces, bool at_knots, co
         const int frame = frame_of[obstacle];
         const double* poses = frame < 0 ? nullptr : frames.data() + 3 * (frame * first.back() + first[k]);
         const StartLine line = lines.of(motion, k, part, obstacle, poses);
-        for (double number : {line.phi, line.offset, line.x, line.y}) result.push_back(number);
+        for (double number : {line.phi, line.offset, line.x, line.y, line.gap}) result.push_back(number);
     }
-    return tightspot::table(std::move(result), 4);
+    return tightspot::table(std::move(result), 5);
 }
 
 // What a solve came to; of rows in the problem's order.

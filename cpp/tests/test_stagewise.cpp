@@ -77,6 +77,12 @@ void start(Solver& solver) {
     for (std::size_t i = 0; i < solver.problem().pairs.size(); ++i) v[layout.aux(static_cast<int>(i))] = -pi / 2;
 }
 
+// The same where every pair, or every second one, may penetrate.
+Problem soft(Problem p, double constant, double timed = 0, int every = 1) {
+    for (std::size_t i = 0; i < p.pairs.size(); i += every) p.pairs[i].penalty = {constant, timed, 1};
+    return p;
+}
+
 Outcome solve(Problem p, Options options = {}) {
     Solver solver(std::move(p));
     start(solver);
@@ -271,6 +277,69 @@ TEST(stagewise_solves_a_free_drive_and_one_past_a_box) {
     CHECK(swept.objective > past.objective);
 }
 
+TEST(stagewise_soft_pairs_have_the_derivatives_of_their_definition) {
+    for (int pieces : {1, 2}) {
+        Solver solver(soft(problem(3, {{4, 7, 1, 5}, {5, 6, -4, -2}}, pieces), 3, 2, 2));
+        start(solver);
+        const Layout& layout = solver.layout();
+        CHECK(layout.soft_pairs.size() == 3);
+        CHECK(layout.variables == layout.sigma + 3);
+        Vector& v = solver.point.v;
+        for (std::size_t i = 0; i < v.size(); ++i) v[i] += 0.1 * std::sin(7.0 * static_cast<double>(i));
+        for (std::size_t i = 0; i < solver.point.z.size(); ++i) solver.point.z[i] = 1 + std::cos(3.0 * static_cast<double>(i));
+        for (std::size_t i = 0; i < solver.point.lam.size(); ++i) solver.point.lam[i] = std::sin(5.0 * static_cast<double>(i));
+        const auto at = solver.lagrangian();
+        const auto lagrangian = [&] {
+            double sum = solver.values().objective;
+            for (std::size_t i = 0; i < solver.point.z.size(); ++i) sum -= solver.point.z[i] * solver.values().rows[i];
+            for (std::size_t i = 0; i < solver.point.lam.size(); ++i)
+                sum += solver.point.lam[i] * solver.values().defects[i];
+            return sum;
+        };
+        const double before = lagrangian(), step = 1e-6;
+        for (std::size_t i = 0; i < v.size(); ++i) {
+            v[i] += step;
+            const auto moved = solver.lagrangian();
+            CHECK_CLOSE((lagrangian() - before) / step, at.gradient[i], 1e-4);
+            for (std::size_t j = 0; j < v.size(); ++j)
+                CHECK_CLOSE((moved.gradient[j] - at.gradient[j]) / step, at.hessian[i * v.size() + j], 1e-2);
+            v[i] -= step;
+        }
+    }
+}
+
+TEST(stagewise_soft_pairs_are_as_good_as_hard_ones_where_there_is_a_way) {
+    for (int pieces : {1, 2}) {
+        const Problem hard = problem(9, {{4, 7, 3.2, 5}}, pieces);
+        const Outcome wanted = solve(hard);
+        for (int every : {1, 2}) {
+            Solver solver(soft(hard, 50, 10, every));
+            start(solver);
+            const Outcome outcome = solver.solve(Options{});
+            CHECK(outcome.status == Status::solved);
+            CHECK_CLOSE(outcome.objective, wanted.objective, 1e-5);
+            const Layout& layout = solver.layout();
+            for (int i = layout.sigma; i < layout.variables; ++i) CHECK_CLOSE(solver.point.v[i], 0.0, 1e-6);
+        }
+    }
+}
+
+TEST(stagewise_soft_pairs_tell_how_deep_it_must_be) {
+    // A wall across the way, thicker than the body is long: nobody gets through without all of the way out of it.
+    Problem closed = soft(problem(8, {{4, 5, -30, 30}}), 100);
+    closed.time_high = 12;
+    Solver solver(std::move(closed));
+    start(solver);
+    CHECK(solver.solve(Options{}).status == Status::solved);
+    const Layout& layout = solver.layout();
+    double deepest = 0;
+    for (int i = layout.sigma; i < layout.variables; ++i) deepest = std::max(deepest, solver.point.v[i]);
+    CHECK(deepest > 0.5);
+    CHECK(deepest < 5.6);
+    Problem inside = soft(problem(8, {{7, 12, 0, 4}}), 100);  // the goal is in the box, and will not move
+    CHECK(solve(std::move(inside)).status == Status::solved);
+}
+
 TEST(stagewise_takes_full_steps_at_the_end) {
     Solver solver(problem(12, {{4, 7, 3.2, 5}}));
     start(solver);
@@ -315,6 +384,12 @@ TEST(stagewise_allocates_nothing_while_it_solves) {
     const long after = allocations;
     other.solve(Options{});
     CHECK(allocations == after);
+    Solver paying(soft(problem(9, {{4, 7, 3.2, 5}}, 2), 50));
+    start(paying);
+    paying.log.reserve(10001);
+    const long before_paying = allocations;
+    CHECK(paying.solve(Options{}).status == Status::solved);
+    CHECK(allocations == before_paying);
 }
 
 TEST(stagewise_limits_and_stops) {
@@ -399,6 +474,11 @@ TEST(stagewise_names_what_cannot_be_used) {
     CHECK(wrong([](Problem& p) { move(p, {0, 0, 0}, {0, 0, 0}), p.motions[0].slopes.pop_back(); }) ==
           "motion_slopes");
     CHECK(wrong([](Problem& p) { p.wall_demands[1].constant = nan_; }) == "wall_demands");
+    CHECK(wrong([](Problem& p) { p.pairs[1].penalty = {0, 0, 1}; }) == "pair_penalties");
+    CHECK(wrong([](Problem& p) { p.pairs[1].penalty = {1, -1, 1}; }) == "pair_penalties");
+    CHECK(wrong([](Problem& p) { p.pairs[1].penalty = {1, nan_, 1}; }) == "pair_penalties");
+    CHECK(wrong([](Problem& p) { p.pairs[1].penalty = {infinity, 0, 1}; }) == "pair_penalties");
+    CHECK(wrong([](Problem& p) { p.pairs[1].penalty = {0, 1, 1}; }).empty());
 }
 
 namespace {
@@ -439,6 +519,8 @@ Problem hostile(Dice& dice) {
         const auto any = [&] { return dice.one_in(40) ? dice.hostile() : much * dice.between(-2, 2); };
         move(p, {any(), any(), any()}, {any(), any(), any()});
     }
+    if (dice.one_in(3)) p = soft(std::move(p), dice.between(0, 50), dice.between(0, 50), 1 + dice.engine() % 2);
+    if (dice.one_in(8) && !p.pairs.empty()) p.pairs[0].penalty = {dice.hostile(), 1, 1};
     return p;
 }
 

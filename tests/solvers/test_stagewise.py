@@ -111,7 +111,7 @@ def test_positions_kept_for_a_structure_belong_to_every_problem_of_it():
     arguments, grid = case("vertical", SeparatingLine())
     problem = stage_problem(*arguments, **grid)
     moved = problem.replaced(obstacle_vertices=problem.obstacle_vertices + 1.0)
-    fewer = problem.replaced(pairs=problem.pairs[1:], pair_origins=problem.pair_origins[1:], lines=problem.lines[1:])
+    fewer = problem.with_pairs(slice(1, None))
     first, second, third = order_of(problem), order_of(moved), order_of(fewer)
     assert second.problem is moved
     assert np.array_equal(first.rows, second.rows)

@@ -113,7 +113,7 @@ def test_rows_are_distances_to_the_moved_obstacle():
     _, problem = both(SeparatingLine(), seed=11)
     core, rng = core_solver(problem), np.random.default_rng(1)
     v = problem.starting_point() + 0.1 * rng.normal(size=problem.starting_point().size)
-    states, _, final_time, lines = problem.unpack(v)
+    states, _, final_time, lines, _ = problem.unpack(v)
     rows = core.derivatives(v, np.zeros(problem.steps * 5), np.zeros(core.sizes["rows"]))["rows"]
     last = np.cumsum(problem.pieces + 1) - 1
     seen = 0

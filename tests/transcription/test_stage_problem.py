@@ -5,7 +5,15 @@ import numpy as np
 import pytest
 
 from tightspot.errors import InputError
-from tightspot.formulations import FarkasDual, SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
+from tightspot.formulations import (
+    FarkasDual,
+    SeparatingLine,
+    SoftSweptUnitNormalLine,
+    SoftUnitNormalLine,
+    SweptLine,
+    SweptUnitNormalLine,
+    UnitNormalLine,
+)
 from tightspot.geometry import ConvexPolygon
 from tightspot.guesses import LinearInterpolation
 from tightspot.scenarios import Obstacle, Scenario
@@ -15,7 +23,8 @@ from tightspot.transcription import EnergyForm, Objective, Settings, TimeGrid, t
 from tightspot.transcription.stage_problem import stage_problem
 from tightspot.vehicles import vehicle
 
-FORMULATIONS = (UnitNormalLine, SeparatingLine, SweptUnitNormalLine, SweptLine)
+SOFT = (SoftUnitNormalLine, SoftSweptUnitNormalLine)
+FORMULATIONS = (UnitNormalLine, SeparatingLine, SweptUnitNormalLine, SweptLine, *SOFT)
 
 
 def scene(**changes):
@@ -56,7 +65,7 @@ def composed(nlp, problem):
     """The core's variables as symbols y, and the Nlp's x as a function of them, with multipliers of its rows."""
     order, n_pairs = order_of(problem), len(problem.pairs)
     n_x, n_u, steps = problem.start.size, problem.input_weights.size, problem.steps
-    y = ca.SX.sym("y", (steps + 1) * n_x + steps * n_u + 1 + 2 * n_pairs)
+    y = ca.SX.sym("y", (steps + 1) * n_x + steps * n_u + 1 + 2 * n_pairs + int(problem.soft.sum()))
     x = ca.SX(nlp.n_variables, 1)
     states, inputs = order.states.ravel(), order.inputs.ravel()
     for place, index in enumerate([*states, *inputs, order.time]):
@@ -81,6 +90,8 @@ def composed(nlp, problem):
                 )
                 pose = ca.vertcat(turned @ (pose[:2] - frame[:2]), pose[2] - frame[2])
             values = [phi - pose[2], mu - ca.dot(n, pose[:2])]
+        if problem.soft[i]:
+            values.append(y[first + 2 * n_pairs + int(problem.soft[:i].sum())])
         for offset, value in enumerate(values):
             x[at + offset] = value
     return y, x, order
@@ -92,6 +103,8 @@ CASES = [
     (UnitNormalLine, {"car": "forklift", "objective": Objective(0.01, (1.0, 2.0), EnergyForm.NORMALISED)}),
     (SweptLine, {"final_time": 7.0, "goal": [6, np.nan, np.nan, np.nan, 0.0], "seed": 3}),
     (SweptUnitNormalLine, {"start": [0, 0, np.nan, np.nan, 0], "seed": 4, "end_margin": None}),
+    (SoftSweptUnitNormalLine, {"car": "forklift", "penalty_weight": 7.0, "final_time": 7.0, "seed": 5}),
+    (SoftUnitNormalLine, {"start": [0, 0, np.nan, np.nan, 0], "seed": 6, "steps": 6}),
 ]
 
 

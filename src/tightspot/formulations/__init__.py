@@ -11,6 +11,7 @@ from tightspot.formulations.separating_line import SeparatingLine
 from tightspot.formulations.shared_vertex_exclusion import SharedVertexExclusion
 from tightspot.formulations.signed_distance_dual import SignedDistanceDual
 from tightspot.formulations.soft_signed_distance import SoftSignedDistance
+from tightspot.formulations.soft_unit_normal_line import SoftSweptUnitNormalLine, SoftUnitNormalLine
 from tightspot.formulations.swept_line import SweptLine, SweptUnitNormalLine
 from tightspot.formulations.triangle_area import TriangleArea
 from tightspot.formulations.twins import with_unit_normal
@@ -66,6 +67,8 @@ __all__ = [
     "SharedVertexExclusion",
     "SignedDistanceDual",
     "SoftSignedDistance",
+    "SoftSweptUnitNormalLine",
+    "SoftUnitNormalLine",
     "SweptLine",
     "SweptUnitNormalLine",
     "TriangleArea",

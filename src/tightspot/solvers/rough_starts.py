@@ -55,13 +55,7 @@ def can_start_again(problem: StageProblem) -> bool:
 
 def without_pairs(problem: StageProblem) -> StageProblem:
     """The same drive in the workspace, without obstacles."""
-    return problem.replaced(
-        pairs=problem.pairs[:0],
-        pair_origins=problem.pair_origins[:0],
-        pair_sides=problem.pair_sides[:0],
-        pair_extras=problem.pair_extras[:0],
-        lines=problem.lines[:0],
-    )
+    return problem.with_pairs(slice(0))
 
 
 def gentle(problem: StageProblem) -> StageProblem:

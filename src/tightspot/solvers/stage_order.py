@@ -55,7 +55,7 @@ class StageOrder:
         problem: The arrays.
         states: Of each state, (N + 1, n_x).
         inputs: Of each input, (N, n_u).
-        lines: Of each pair's first auxiliary variable, (n,).
+        lines: Of each pair's first auxiliary variable, (n,); a soft pair's last one is the penetration.
         time: Of t_f.
         rows: Of each of the core's rows, (m,).
         signs: 1 where the Nlp's row is the core's, -1 where it is its negative, (m,).
@@ -82,10 +82,11 @@ class StageOrder:
     def point(self, core: CorePoint) -> NlpPoint:
         """The Nlp's vectors."""
         problem = self.problem
-        states, inputs, final_time, lines = problem.unpack(core.v)
+        states, inputs, final_time, lines, penetrations = problem.unpack(core.v)
         x = np.empty(self.time + 1)
         x[self.states], x[self.inputs], x[self.time] = states, inputs, final_time
         self._write_lines(x, lines, states, final_time)
+        x[self.lines[problem.soft] + problem.form.size] = penetrations[problem.soft]
         lam_x = np.zeros(x.size)
         n = states.size + inputs.size
         lam_x[self.states] = core.bounds[: states.size].reshape(states.shape)
@@ -148,25 +149,24 @@ _MOST_KNOWN = 8
 def _structure(problem: StageProblem) -> tuple[object, ...]:
     """All that the positions depend on."""
     counts = (problem.pieces, problem.part_first, problem.obstacle_first, problem.pairs, problem.walls)
-    used = (np.isnan(demands[:, 0]) for demands in (problem.pair_demands, problem.wall_demands))
+    tables = (problem.pair_demands, problem.wall_demands, problem.pair_penalties)
+    used = (np.isnan(table[:, 0]) for table in tables)
     sizes = (problem.start.size, problem.input_weights.size)
     return (problem.form, sizes, *((array.shape, array.tobytes()) for array in (*counts, *used)))
 
 
 def _order_of(problem: StageProblem) -> StageOrder:
     n_x, n_u, steps = problem.start.size, problem.input_weights.size, problem.steps
-    auxiliary = 3 if problem.form.vector else 2
-    interval = problem.pairs[:, 0]
-    per_interval = np.bincount(interval, minlength=steps)
+    interval, auxiliary = problem.pairs[:, 0], problem.form.size + problem.soft
     # Knot k's variables are x_k, u_k, then the lines of the interval that ends there.
-    before = np.concatenate([[0], np.cumsum(np.concatenate([[0], per_interval[:-1]])), [per_interval.sum()]])
-    knot = np.arange(steps + 1) * (n_x + n_u) + auxiliary * np.concatenate([[0], before[1:-1]])
+    until = np.concatenate([[0], np.cumsum(auxiliary)])
+    of_interval = until[np.searchsorted(interval, np.arange(steps + 1))]
+    knot = np.arange(steps + 1) * (n_x + n_u) + np.concatenate([[0], of_interval[:-1]])
     states = knot[:, None] + np.arange(n_x)
     inputs = knot[:-1, None] + n_x + np.arange(n_u)
     first_line = knot[1:] + n_x + np.where(np.arange(1, steps + 1) < steps, n_u, 0)
-    rank = np.arange(interval.size) - np.concatenate([[0], np.cumsum(per_interval)])[interval]
-    lines = first_line[interval] + auxiliary * rank
-    time = int(states[-1, -1]) + 1 + auxiliary * int(per_interval[-1])
+    lines = first_line[interval] + until[:-1] - of_interval[interval]
+    time = int(states[-1, -1]) + 1 + int(of_interval[-1] - of_interval[-2])
     return _with_rows(problem, states, inputs, lines, time)
 
 
@@ -183,7 +183,7 @@ def _with_rows(problem: StageProblem, states: Index, inputs: Index, lines: Index
     wall_sizes = wall_counts * wall_samples[place // parts] * corners[place % parts]
     of_pair = problem.pairs[:, 0] * parts + problem.pairs[:, 1]
     obstacle_sizes = np.diff(problem.obstacle_first)[problem.pairs[:, 2]]
-    body_sizes = pair_samples[problem.pairs[:, 0]] * corners[problem.pairs[:, 1]]
+    body_sizes = pair_samples[problem.pairs[:, 0]] * corners[problem.pairs[:, 1]] + problem.soft
     keys = np.concatenate([2 * place, np.repeat(2 * of_pair + 1, 2)])
     sizes = np.concatenate([wall_sizes, np.column_stack([obstacle_sizes, body_sizes]).ravel()])
     about = np.concatenate([np.full(place.size, -1), np.repeat(np.arange(of_pair.size), 2)])

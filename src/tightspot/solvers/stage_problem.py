@@ -13,7 +13,7 @@ from tightspot.geometry.transforms import seen_from
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_ENDS_AND_POINT = frozenset({"start", "goal", "states", "inputs", "final_time", "lines"})
+_ENDS_AND_POINT = frozenset({"start", "goal", "states", "inputs", "final_time", "lines", "penetrations"})
 
 
 @dataclass(frozen=True)
@@ -30,16 +30,22 @@ class LineForm:
     in_body: bool = False
     body_first: bool = False
 
+    @property
+    def size(self) -> int:
+        """Number of a line's variables."""
+        return 3 if self.vector else 2
+
 
 @dataclass(frozen=True, eq=False)
 class StageProblem:
-    """Minimise ``time_weight t_f + c sum_k widths[k] |u_k|^2_P``, c = t_f or 1, subject to
+    """Minimise ``time_weight t_f + c sum_k widths[k] |u_k|^2_P + sum_i penalty_i(t_f) sigma_i``, c = t_f or 1, under
 
     - ``x_{k+1} = F_k(x_k, u_k, t_f)``: ``pieces[k] * substeps[k]`` Runge-Kutta steps over ``widths[k] * t_f``;
     - bounds, start and goal;
     - walls: ``offset - n . V >= demand`` for every vertex V of a part at a sample;
     - pairs, with a line ``{q: n . q = mu}``, n = (cos phi, sin phi), each: ``n . V >= mu + demand`` for every vertex of
-      the part at a sample, ``n . O_j <= mu - side`` for every vertex of the obstacle part.
+      the part at a sample, ``n . O_j <= mu - side`` for every vertex of the obstacle part;
+    - soft pairs: ``n . V >= mu + demand - sigma`` instead, with a penetration ``sigma >= 0``, m, of the pair's own.
 
     Samples of interval k: x_k, the states after each of its pieces but the last, and x_{k+1}; S in all. A demand is
     ``constant + weight * cover``, where the cover is the vehicle's acceleration bound times the piece's duration
@@ -75,6 +81,8 @@ class StageProblem:
         pairs: (interval, part, obstacle part) of each pair, sorted, (n, 3).
         pair_origins: The point that mu is measured from, which improves conditioning only, (n, 2).
         pair_sides: (constant, weight) of the demand on the obstacle's side, (n, 2).
+        pair_penalties: (constant, weight of t_f) of what 1 m of a pair's penetration costs, positive, NaN where none is
+            allowed, (n, 2).
         walls: (interval, part), sorted, (w, 2).
         wall_lines: (normal, offset) of the half-planes ``normal . q <= offset``, (w, 3).
         pair_demands: (constant, weight) at each sample, NaN where no row stands, (S, 2).
@@ -83,6 +91,7 @@ class StageProblem:
         inputs: (N, n_u).
         final_time: s.
         lines: (phi, mu) of each pair, mu measured from the world's origin, (n, 2).
+        penetrations: m, 0 for pairs that allow none, (n,).
         form: How x and the multipliers of reports write lines.
         pair_extras: What is demanded on the body's side beyond ``pair_demands``, m, (n,); empty: nothing.
         motion_obstacles: The obstacle parts that move, (M,).
@@ -115,6 +124,7 @@ class StageProblem:
     pairs: Integers
     pair_origins: Array
     pair_sides: Array
+    pair_penalties: Array
     walls: Integers
     wall_lines: Array
     pair_demands: Array
@@ -123,6 +133,7 @@ class StageProblem:
     inputs: Array
     final_time: float
     lines: Array
+    penetrations: Array
     form: LineForm
     pair_extras: Array = field(default_factory=lambda: np.zeros(0))
     motion_obstacles: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -135,20 +146,28 @@ class StageProblem:
         """N."""
         return int(self.widths.size)
 
+    @property
+    def soft(self) -> NDArray[np.bool_]:
+        """Which pairs may penetrate, (n,)."""
+        return ~np.isnan(self.pair_penalties[:, 0])
+
     def starting_point(self) -> Array:
-        """The core's variables: states, inputs, t_f, then (phi, mu) of each pair with mu from the pair's origin."""
-        return self.variables(self.states, self.inputs, self.final_time, self.lines)
+        """The core's variables: states, inputs, t_f, (phi, mu) of each pair with mu from its origin, soft ones' sigma."""
+        return self.variables(self.states, self.inputs, self.final_time, self.lines, self.penetrations)
 
-    def variables(self, states: Array, inputs: Array, final_time: float, lines: Array) -> Array:
-        """The core's variables from states, inputs, t_f and world lines."""
-        return np.concatenate([states.ravel(), inputs.ravel(), [final_time], self._shifted(lines, -1.0).ravel()])
+    def variables(self, states: Array, inputs: Array, final_time: float, lines: Array, penetrations: Array) -> Array:
+        """The core's variables from states, inputs, t_f, world lines and every pair's penetration."""
+        lines = self._shifted(lines, -1.0).ravel()
+        return np.concatenate([states.ravel(), inputs.ravel(), [final_time], lines, penetrations[self.soft]])
 
-    def unpack(self, v: Array) -> tuple[Array, Array, float, Array]:
-        """States, inputs, t_f and world lines of the core's variables."""
-        n_x, n_u, steps = self.start.size, self.input_weights.size, self.steps
+    def unpack(self, v: Array) -> tuple[Array, Array, float, Array, Array]:
+        """States, inputs, t_f, world lines and every pair's penetration from the core's variables."""
+        n_x, n_u, steps, n = self.start.size, self.input_weights.size, self.steps, len(self.pairs)
         states, rest = v[: (steps + 1) * n_x].reshape(steps + 1, n_x), v[(steps + 1) * n_x :]
         inputs, rest = rest[: steps * n_u].reshape(steps, n_u), rest[steps * n_u :]
-        return states, inputs, float(rest[0]), self._shifted(rest[1:].reshape(-1, 2), 1.0)
+        lines, penetrations = self._shifted(rest[1 : 1 + 2 * n].reshape(n, 2), 1.0), np.zeros(n)
+        penetrations[self.soft] = rest[1 + 2 * n :]
+        return states, inputs, float(rest[0]), lines, penetrations
 
     def frames(self, final_time: float) -> Array:
         """Poses of the moving obstacles' frames at each sample, (M, S, 3)."""
@@ -173,6 +192,17 @@ class StageProblem:
         """True if all arrays but start, goal and the starting point are the very same objects in both."""
         same = [name for name in self.__dataclass_fields__ if name not in _ENDS_AND_POINT]
         return all(getattr(self, name) is getattr(other, name) for name in same)
+
+    def with_pairs(self, chosen: slice | NDArray[np.bool_]) -> StageProblem:
+        """With the chosen ones of the pairs only."""
+        names = ["pairs", "pair_origins", "pair_sides", "pair_penalties", "lines", "penetrations"]
+        if self.pair_extras.size:
+            names.append("pair_extras")
+        return self.replaced(**{name: getattr(self, name)[chosen] for name in names})
+
+    def softened(self, penalties: Array) -> StageProblem:
+        """With every pair allowed to penetrate, at a cost of (constant, weight of t_f), (n, 2)."""
+        return self.replaced(pair_penalties=penalties, form=LineForm())
 
     def replaced(self, **changes: Any) -> StageProblem:
         """A copy with other arrays."""

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +67,7 @@ class StagePoint:
     """Where a solve ended, in the core's order: enough to start another one of the same structure.
 
     Attributes:
-        v: States, inputs, t_f, (phi, mu) of each pair.
+        v: States, inputs, t_f, (phi, mu) of each pair, the penetrations of soft ones.
         s: Slacks of the rows, (m,).
         z: Multipliers of the rows, (m,).
         zb: Multipliers of the bounds.
@@ -113,6 +113,7 @@ class StageReport(SolveReport):
         final_time: s.
         pairs: (interval, part, obstacle part) of each pair, (n, 3).
         lines: (phi, mu) of each pair, (n, 2).
+        penetrations: sigma of each pair, m, 0 for those that allow none, (n,).
         log: One line an iteration of the solve that is reported, columns :data:`LOG_COLUMNS`.
         attempts: The starts that were tried; the report is that of the last one if it succeeded, else of the first.
             ``iterations`` and ``timings`` are those of all together.
@@ -126,6 +127,7 @@ class StageReport(SolveReport):
     final_time: float = np.nan
     pairs: NDArray[np.int64] | None = None
     lines: Array | None = None
+    penetrations: Array | None = None
     log: Array | None = None
     attempts: tuple[Attempt, ...] = ()
     core: CorePoint | None = field(default=None, repr=False)
@@ -403,7 +405,7 @@ class Stagewise(Solver):
     ) -> StageReport:
         core = CorePoint(*(answer[name] for name in CorePoint._fields))
         point = StagePoint(**{name: answer[name] for name in ("v", "s", "z", "zb", "lam", "nu")})
-        states, inputs, final_time, lines = problem.unpack(core.v)
+        states, inputs, final_time, lines, penetrations = problem.unpack(core.v)
         status = _STATUS[answer["status"]]
         if status.success and not answer["audited"] <= 100 * self.tolerance:
             status = SolveStatus.NUMERICAL
@@ -424,6 +426,7 @@ class Stagewise(Solver):
             final_time=final_time,
             pairs=problem.pairs,
             lines=lines,
+            penetrations=penetrations,
             log=answer["log"],
             attempts=(Attempt(start, status, answer["iterations"]),),
             core=core,
@@ -537,6 +540,24 @@ def core_solver(problem: StageProblem) -> Any:
         raise InputError(Problem("problem", str(error))) from None
 
 
+class StartLines(NamedTuple):
+    """Separating lines in closed form.
+
+    Attributes:
+        lines: (phi, mu) of each pair, midway between the obstacle and the body, (n, 2).
+        origins: Points next to the body to measure mu from, m, (n, 2).
+        overlaps: How far the body reaches beyond the obstacle's edge of the line, m, 0 if it does not, (n,).
+    """
+
+    lines: Array
+    origins: Array
+    overlaps: Array
+
+    def beside_obstacles(self) -> Array:
+        """The lines, those of overlapping pairs at the obstacle's edge."""
+        return self.lines + np.column_stack([np.zeros_like(self.overlaps), self.overlaps / 2])
+
+
 def start_lines(
     states: Array,
     pieces: NDArray[np.int64],
@@ -549,8 +570,8 @@ def start_lines(
     at_knots: bool,
     moving: NDArray[np.int64] | None = None,
     frames: Array | None = None,
-) -> tuple[Array, Array]:
-    """Lines (phi, mu) of pairs to start from, (n, 2), and the points next to the body to measure them from, (n, 2).
+) -> StartLines:
+    """Lines of pairs to start from.
 
     As :func:`tightspot.formulations.lines.line_of_guess`: the best normal at the interval's middle pose, and the offset
     midway between the obstacle and the body at all the interval's poses, interpolated between the knots, or at the last
@@ -564,7 +585,8 @@ def start_lines(
     table = _core().stagewise_start_lines(
         states, pieces, at_knots, *polygons, np.ascontiguousarray(pairs), moving, frames
     )
-    return np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:])
+    overlaps = np.maximum(0.0, -table[:, 4])
+    return StartLines(np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:4]), overlaps)
 
 
 def with_states(problem: StageProblem, states: Array, inputs: Array, final_time: float) -> StageProblem:
@@ -573,10 +595,18 @@ def with_states(problem: StageProblem, states: Array, inputs: Array, final_time:
     at_knots = bool(np.isnan(problem.pair_demands[first, 0]).all())
     polygons = (problem.part_vertices, problem.part_first, problem.obstacle_vertices, problem.obstacle_first)
     moving, frames = problem.motion_obstacles, problem.frames(final_time)
-    lines, origins = start_lines(
+    found = start_lines(
         states, problem.pieces, problem.pairs, *polygons, at_knots=at_knots, moving=moving, frames=frames
     )
-    return problem.replaced(states=states, inputs=inputs, final_time=final_time, lines=lines, pair_origins=origins)
+    soft = problem.soft
+    return problem.replaced(
+        states=states,
+        inputs=inputs,
+        final_time=final_time,
+        lines=np.where(soft[:, None], found.beside_obstacles(), found.lines),
+        penetrations=np.where(soft, found.overlaps, 0.0),
+        pair_origins=found.origins,
+    )
 
 
 def _core() -> Any:

@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import InputError, Problem
-from tightspot.formulations import Formulation, SeparatingLine, SweptLine, SweptUnitNormalLine, UnitNormalLine
+from tightspot.formulations import (
+    Formulation,
+    SeparatingLine,
+    SoftSweptUnitNormalLine,
+    SoftUnitNormalLine,
+    SweptLine,
+    SweptUnitNormalLine,
+    UnitNormalLine,
+)
 from tightspot.geometry.stack import PolygonStack
 from tightspot.geometry.transforms import nearest_angle
 from tightspot.scenarios.scenario import Scenario
@@ -32,7 +40,10 @@ _FORMS: dict[type[Formulation], LineForm] = {
     SeparatingLine: LineForm(vector=True, body_first=True),
     SweptUnitNormalLine: LineForm(),
     SweptLine: LineForm(vector=True),
+    SoftUnitNormalLine: LineForm(),
+    SoftSweptUnitNormalLine: LineForm(),
 }
+_SOFT = (SoftUnitNormalLine, SoftSweptUnitNormalLine)
 
 
 def fits_stages(vehicle: VehicleModel, formulation: Formulation) -> bool:
@@ -73,6 +84,9 @@ def stage_problem(
     if not fits_stages(vehicle, settings.formulation):
         sentence = f"the stagewise solver takes neither {type(vehicle).__name__} with {settings.formulation.name}"
         problems.append(Problem("solver", f"{sentence}; choose single-track with a line formulation, or ipopt"))
+    if isinstance(settings.formulation, _SOFT) and settings.penalty_weight == 0:
+        sentence = f"0 leaves the penetrations of {settings.formulation.name} free; give a positive weight"
+        problems.append(Problem("penalty_weight", sentence))
     if problems:
         raise InputError(problems)
     guess = resample(guess, grid)
@@ -114,12 +128,14 @@ def _arrays(
     polygons = (parts.vertices, parts.first, obstacles.vertices, obstacles.first)
     final_time = float(np.clip(guess.duration, time_low, time_high))
     frames = moving.frames(final_time)
-    lines, origins = start_lines(
+    lines = start_lines(
         guess.states, pieces, pairs, *polygons, at_knots=at_knots, moving=moving.obstacles, frames=frames
     )
     extras = moving.extras[tuple(pairs.T)] / 2 if moving.obstacles.size else np.zeros(0)
     pair_sides = np.ascontiguousarray(sides[pairs[:, 0]])
     pair_sides[: extras.size, 0] += extras
+    soft = isinstance(settings.formulation, _SOFT)
+    penalties = np.column_stack([np.zeros(len(pairs)), settings.penalty_weight * grid.widths[pairs[:, 0]]])
     return StageProblem(
         model="single_track",
         parameters=np.array([vehicle.wheelbase, steering, np.tan(steering)]),
@@ -143,8 +159,9 @@ def _arrays(
         obstacle_vertices=obstacles.vertices,
         obstacle_first=obstacles.first,
         pairs=pairs,
-        pair_origins=origins,
+        pair_origins=lines.origins,
         pair_sides=pair_sides,
+        pair_penalties=penalties if soft else np.full((len(pairs), 2), np.nan),
         walls=np.ascontiguousarray(wall_indices[:, :2]),
         wall_lines=np.column_stack([scenario.workspace.A[edges], scenario.workspace.b[edges]]),
         pair_demands=pair_demands,
@@ -152,7 +169,8 @@ def _arrays(
         states=states,
         inputs=np.clip(guess.inputs, *vehicle.input_bounds),
         final_time=final_time,
-        lines=lines,
+        lines=lines.beside_obstacles() if soft else lines.lines,
+        penetrations=lines.overlaps if soft else np.zeros(len(pairs)),
         form=_FORMS[type(settings.formulation)],
         pair_extras=extras,
         motion_obstacles=moving.obstacles,

@@ -34,6 +34,7 @@ class Assembly {
         steps_.poses.assign(3 * poses_, 0), steps_.covers.assign(problem.steps * parts, 0);
         if (std::any_of(rows.coupled.begin(), rows.coupled.end(), [](char is) { return is != 0; }))
             pairs.resize(problem.pairs.size());
+        penetrations.resize(layout.soft_pairs.size());
         sensitivities.allocate(problem, layout);
     }
 
@@ -43,6 +44,7 @@ class Assembly {
         gradient.forces.times.assign(rows.views.empty() ? 0 : problem_.steps, 0);
         gradient.forces.covers.assign(problem_.steps * problem_.parts.size(), 0);
         gradient.forces.lines.assign(2 * rows.intervals.size(), 0);
+        gradient.forces.penetrations.assign(layout_.soft_pairs.size(), 0);
     }
     void allocate(Values<Model>& values) const {
         values.allocate(problem_, layout_);
@@ -129,7 +131,7 @@ class Assembly {
         views_.push(dv[layout_.time], steps_.poses);
         over_rows([&](auto P, const RowGroup& group) {
             stagewise::row_steps<decltype(P)>(context(), group, at, steps_.poses.data(), steps_.covers.data(),
-                                              dv + layout_.line, out);
+                                              dv + layout_.line, dv + layout_.sigma, out);
         });
     }
 
@@ -155,8 +157,13 @@ class Assembly {
                 energy += problem_.widths[k] * problem_.input_weights[i] * u * u;
             }
         const double time = v[layout_.time];
-        return problem_.time_weight * time + (problem_.time_scaled ? time : 1.0) * energy;
+        double penalties = 0;
+        for (std::size_t j = 0; j < layout_.soft_pairs.size(); ++j) penalties += penalty(j).at(time) * v[layout_.sigma + j];
+        return problem_.time_weight * time + (problem_.time_scaled ? time : 1.0) * energy + penalties;
     }
+
+    // What a metre of penetration j costs.
+    const Penalty& penalty(std::size_t j) const { return problem_.pairs[layout_.soft_pairs[j]].penalty; }
 
     // True if rows of interval k depend on more than x_{k+1}.
     bool coupled(int k) const { return rows.coupled[k] != 0; }
@@ -185,6 +192,7 @@ class Assembly {
     std::vector<StageQuadratic<Model>> stages;
     RowCurvature curvature;
     std::vector<PairBlock<Model>> pairs;  // of coupled intervals
+    std::vector<PenetrationBlock<Model>> penetrations;
     Sensitivities<Model> sensitivities;
 
    private:
@@ -274,8 +282,24 @@ class Assembly {
                     const double mu[3] = {entry(i + 3), entry(i + 4), entry(i + 5)};
                     chain_line(k, place, phi, pair.phi), chain_line(k, place, mu, pair.mu);
                 }
+                if (group.soft) chain_penetration(group, l, at, cover);
             }
         }
+    }
+
+    void chain_penetration(const RowGroup& group, int l, const double* at, const double* cover) {
+        const auto entry = [&](int i) { return at[i * group.width]; };
+        const int j = rows.penetrations[group.line + l], k = rows.intervals[group.line + l], own = 5 + 6 * group.samples;
+        PenetrationBlock<Model>& block = penetrations[j];
+        block.phi = entry(own), block.weight = entry(own + 1), block.own = entry(own + 2), block.obstacle = entry(own + 3);
+        const double of_cover = entry(own + 4);
+        for (int i = 0; i < S::nw; ++i) block.w[i] = of_cover * cover[i];
+        for (int s = 0; s < group.samples; ++s) {
+            const int i = 8 + 6 * s;
+            const double pose[3] = {-entry(i), -entry(i + 1), -entry(i + 2)};
+            chain_line(k, rows.samples[group.sample + s * group.width + l], pose, block.w);
+        }
+        block.w[S::nx] += penalty(j).timed;
     }
 
     // From forces on poses and covers to the gradient with respect to w.
@@ -289,6 +313,10 @@ class Assembly {
         if (k + 1 == problem_.steps)
             for (int i = 0; i < S::nx; ++i) g[S::na + i] += bounds[layout_.x(k + 1) + i];
         add_objective_gradient(v, k, g);
+        for (int j = layout_.penetration[k]; j < layout_.penetration[k + 1]; ++j) {
+            g[S::nx] += penalty(j).timed * v[layout_.sigma + j];
+            out.forces.penetrations[j] += penalty(j).at(v[layout_.time]);
+        }
         if (!coupled(k)) return;
         for (int p = first; p < last; ++p) chain(k).add(p - first, out.forces.poses.data() + 3 * p, g);
         if (views_.any(k)) g[S::nx] += out.forces.times[k];

@@ -122,6 +122,8 @@ class Audit {
             const double nx_ = std::cos(v_[at_line]), ny_ = std::sin(v_[at_line]);
             const double mu = v_[at_line + 1] + nx_ * pair.origin[0] + ny_ * pair.origin[1];
             const Demand side{pair.obstacle_side, pair.obstacle_weight, 1};
+            const double sigma = pair.penalty.soft ? v_[layout_.sigma + layout_.soft[i]] : 0;
+            demand(-sigma);
             for (int j = problem_.obstacles.first[pair.obstacle]; j < problem_.obstacles.first[pair.obstacle + 1]; ++j)
                 demand(nx_ * problem_.obstacles.x[j] + ny_ * problem_.obstacles.y[j] - mu + side.constant +
                        cover(k, pair.part, side));
@@ -130,7 +132,7 @@ class Audit {
                 if (!at.used) continue;
                 const double inside = motion ? nearest_to_moving(*motion, k, pair.part, p, v_[at_line], mu)
                                              : nearest(pair.part, p, nx_, ny_) - mu;
-                demand(at.constant + pair.extra + cover(k, pair.part, at) - inside);
+                demand(at.constant + pair.extra + cover(k, pair.part, at) - inside - sigma);
             }
         }
     }

@@ -123,7 +123,7 @@ class InteriorPoint : public Newton<Model> {
             v[bound.index] = inside(v[bound.index], low, high, options_.bound_push);
         }
         assembly_.evaluate(v.data(), values_);
-        if (!(mu_ > 0)) mu_ = std::clamp(values_.objective, 1e-6, 1e-2);
+        if (!(mu_ > 0)) mu_ = first_barrier();
         for (int i = 0; i < layout_.rows; ++i) {
             point.s[i] = std::max(values_.rows[i], options_.bound_push);
             const double central = mu_ / point.s[i];
@@ -138,6 +138,16 @@ class InteriorPoint : public Newton<Model> {
             std::fill(point.nu.begin(), point.nu.end(), 0.0);
         }
         return true;
+    }
+
+    // What a decimetre of penetration costs, on average, if some is allowed: multipliers of rows then begin as large as
+    // they may become, and all rows are given way to before any.
+    double first_barrier() const {
+        const std::size_t soft = layout_.soft_pairs.size();
+        if (soft == 0) return std::clamp(values_.objective, 1e-6, 1e-2);
+        double sum = 0;
+        for (std::size_t j = 0; j < soft; ++j) sum += assembly_.penalty(j).at(point.v[layout_.time]);
+        return std::max(0.1 * sum / static_cast<double>(soft), 1e-6);
     }
 
     double opposite(const Bound& bound) const {
@@ -236,6 +246,11 @@ class InteriorPoint : public Newton<Model> {
         const double time_step = step.v[layout_.time];
         sum += problem_.time_weight * time_step;
         sum += problem_.time_scaled ? time_step * energy + v[layout_.time] * energy_slope : energy_slope;
+        for (std::size_t j = 0; j < layout_.soft_pairs.size(); ++j) {
+            const Penalty& penalty = assembly_.penalty(j);
+            const std::size_t at = layout_.sigma + j;
+            sum += penalty.at(v[layout_.time]) * step.v[at] + penalty.timed * v[at] * time_step;
+        }
         return sum - mu_ * pace_.slope;
     }
 

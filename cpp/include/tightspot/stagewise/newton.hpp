@@ -98,6 +98,8 @@ class Newton {
         Lagrangian out{residual_, Vector(n * n, 0.0)};
         for (int pair = 0; pair < static_cast<int>(problem_.pairs.size()); ++pair)
             for (int which : {0, 1}) out.gradient.push_back(assembly_.line_force(gradient_, pair, which));
+        const Vector& penetrations = gradient_.forces.penetrations;
+        out.gradient.insert(out.gradient.end(), penetrations.begin(), penetrations.end());
         for (int k = 0; k < problem_.steps; ++k) scatter(k, n, out.hessian);
         return out;
     }
@@ -181,7 +183,7 @@ class Newton {
             for (int i = 0; i < S::nu; ++i) residual_[layout_.u(k) + i] += a[S::nz + i];
         }
         for (std::size_t i = 0; i < residual_.size(); ++i) free_residual_[i] = free_[i] * residual_[i];
-        return std::max(size(free_residual_), size(gradient_.forces.lines));
+        return std::max({size(free_residual_), size(gradient_.forces.lines), size(gradient_.forces.penetrations)});
     }
 
     bool fixed(int index) const {
@@ -306,6 +308,15 @@ class Newton {
                 full[phi * n + index[i]] += pair.phi[i], full[index[i] * n + phi] += pair.phi[i];
                 full[mu * n + index[i]] += pair.mu[i], full[index[i] * n + mu] += pair.mu[i];
             }
+        }
+        for (int j = layout_.penetration[k]; j < layout_.penetration[k + 1]; ++j) {
+            const PenetrationBlock<Model>& block = assembly_.penetrations[j];
+            const std::size_t phi = layout_.aux(layout_.soft_pairs[j]), mu = phi + 1, sigma = layout_.sigma + j;
+            full[sigma * n + sigma] += block.weight + block.own;
+            full[sigma * n + phi] += block.phi, full[phi * n + sigma] += block.phi;
+            full[sigma * n + mu] -= block.weight, full[mu * n + sigma] -= block.weight;
+            for (int i = 0; i < S::nw; ++i)
+                full[sigma * n + index[i]] += block.w[i], full[index[i] * n + sigma] += block.w[i];
         }
     }
 };

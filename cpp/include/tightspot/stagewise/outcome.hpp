@@ -15,7 +15,7 @@ struct Options {
     int acceptable_iterations = 15;
     int max_iterations = 500;
     double time_limit = 10;  // s
-    double initial_barrier = 0;  // 0: 0.01, or the objective at the start if that is less
+    double initial_barrier = 0;  // 0: see InteriorPoint::first_barrier
     double bound_push = 1e-2;
     bool second_order_correction = true;
     bool warm = false;  // keep the multipliers that were set, and take long steps from the first one on

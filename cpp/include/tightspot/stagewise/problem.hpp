@@ -28,6 +28,14 @@ struct Demand {
     int used = 0;
 };
 
+// What a metre of penetration costs, constant + timed * t_f; pairs that may not penetrate have `soft` = 0.
+struct Penalty {
+    double constant = 0, timed = 0;
+    int soft = 0;
+
+    double at(double time) const { return constant + timed * time; }
+};
+
 // One body part against one obstacle part during one interval. Its line has a unit normal (cos phi, sin phi) and the
 // offset mu, with coordinates relative to `origin`, which changes the numbers' conditioning and nothing else.
 struct Pair {
@@ -35,6 +43,7 @@ struct Pair {
     double origin[2] = {0, 0};
     double obstacle_side = 0, obstacle_weight = 0;  // the demand on the obstacle's side of the line
     double extra = 0;                               // what the body's side demands beyond the samples' demands
+    Penalty penalty = {};
 };
 
 // How an obstacle part moves: its frame's pose (x, y, theta) at each sample is linear in t_f,
@@ -56,9 +65,9 @@ struct Wall {
     double offset = 0;
 };
 
-// Variables: states x_0..x_N, inputs u_0..u_{N-1}, t_f, and (phi, mu) of each pair.
+// Variables: states x_0..x_N, inputs u_0..u_{N-1}, t_f, (phi, mu) of each pair, and the penetration sigma of each soft one.
 //
-//   minimise    time_weight t_f + (t_f or 1) sum_k widths[k] sum_i input_weights[i] u_k[i]^2
+//   minimise    time_weight t_f + (t_f or 1) sum_k widths[k] sum_i input_weights[i] u_k[i]^2 + sum penalty(t_f) sigma
 //   subject to  x_{k+1} = F_k(x_k, u_k, t_f): pieces[k] * substeps[k] Runge-Kutta steps,
 //               bounds, start and goal (NaN: free), walls and pairs.
 //
@@ -66,8 +75,8 @@ struct Wall {
 //
 // Samples of interval k: the state x_k, the states after each of its pieces but the last, and x_{k+1}. Rows of
 // interval k, part by part: for every sample, wall and vertex, offset - normal . V - demand >= 0; then for every pair
-// the obstacle's side, mu - side - n . O_j >= 0, and for every sample and vertex n . V - mu - demand >= 0. Pairs and
-// walls are sorted by interval, then part.
+// the obstacle's side, mu - side - n . O_j >= 0, and for every sample and vertex n . V - mu - demand >= 0; of a soft pair
+// n . V - mu - demand + sigma >= 0 and, last, sigma >= 0. Pairs and walls are sorted by interval, then part.
 struct Problem {
     int steps = 0;
     Vector widths;
@@ -105,10 +114,12 @@ struct Convoy {
 // Where things are in the flat vectors.
 struct Layout {
     int nx = 0, nu = 0, steps = 0;
-    int input = 0, time = 0, line = 0, variables = 0;  // offsets into the variables; their number
+    int input = 0, time = 0, line = 0, sigma = 0, variables = 0;  // offsets into the variables; their number
     int rows = 0;
     Indices sample, row;                      // first of each interval; N + 1 entries
     Indices pair, wall;                       // first of each (interval, part); N * parts + 1 entries
+    Indices soft, soft_pairs;                 // each pair's place among the penetrations, -1: none; each penetration's pair
+    Indices penetration;                      // first of each interval; N + 1 entries
     std::vector<Convoy> convoys;
     int convoy_steps = 0;
 
@@ -136,8 +147,8 @@ inline Layout layout_of(const Problem& problem, int nx, int nu) {
     layout.input = (n + 1) * nx;
     layout.time = layout.input + n * nu;
     layout.line = layout.time + 1;
-    layout.variables = layout.line + 2 * static_cast<int>(problem.pairs.size());
-    layout.sample.assign(1, 0), layout.row.assign(1, 0);
+    layout.sigma = layout.line + 2 * static_cast<int>(problem.pairs.size());
+    layout.sample.assign(1, 0), layout.row.assign(1, 0), layout.penetration.assign(1, 0);
     layout.pair.assign(1, 0), layout.wall.assign(1, 0);
     std::size_t pair = 0, wall = 0;
     for (int k = 0; k < n; ++k) {
@@ -151,14 +162,20 @@ inline Layout layout_of(const Problem& problem, int nx, int nu) {
                  ++wall)
                 layout.rows += wall_samples * problem.parts.count(part);
             for (; pair < problem.pairs.size() && problem.pairs[pair].interval == k && problem.pairs[pair].part == part;
-                 ++pair)
-                layout.rows +=
-                    problem.obstacles.count(problem.pairs[pair].obstacle) + pair_samples * problem.parts.count(part);
+                 ++pair) {
+                const Pair& each = problem.pairs[pair];
+                layout.soft.push_back(each.penalty.soft ? static_cast<int>(layout.soft_pairs.size()) : -1);
+                if (each.penalty.soft) layout.soft_pairs.push_back(static_cast<int>(pair));
+                layout.rows += problem.obstacles.count(each.obstacle) + pair_samples * problem.parts.count(part) +
+                               (each.penalty.soft ? 1 : 0);
+            }
             layout.wall.push_back(static_cast<int>(wall));
             layout.pair.push_back(static_cast<int>(pair));
         }
         layout.row.push_back(layout.rows);
+        layout.penetration.push_back(static_cast<int>(layout.soft_pairs.size()));
     }
+    layout.variables = layout.sigma + static_cast<int>(layout.soft_pairs.size());
     form_convoys(problem, layout);
     return layout;
 }

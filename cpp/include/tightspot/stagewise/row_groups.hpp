@@ -13,10 +13,10 @@
 namespace tightspot::stagewise {
 
 // Row i of line l has the place row + i * width + l among all rows: a pair's obstacle side first, then the body's
-// vertices sample by sample. A wall has one sample and no obstacle side.
+// vertices sample by sample, then a soft pair's penetration. A wall has one sample and no obstacle side.
 struct RowGroup {
     int part, width, corners, samples;  // corners: vertices of the obstacle part, 0 for walls
-    bool coupled, covered;              // see RowGroups
+    bool soft, coupled, covered;        // see RowGroups
     int row;
     int line;      // place in RowGroups::intervals and pairs
     int sample;    // place in RowGroups::samples
@@ -40,6 +40,7 @@ struct RowGroups {
     Indices intervals, line_pairs, samples;
     std::vector<View> views;  // interval by interval
     Indices first_view;       // of each interval, N + 1 entries
+    Indices penetrations;    // of each line, among all penetrations; -1: none
     // Packs of `width` numbers. Walls: normal inwards (x, y), its product with points on the wall. Pairs: origin (x, y),
     // constant and weight of the demand on the obstacle's side, its vertices relative to the origin (x, y). Then the
     // demand (constant, weight) of every sample.
@@ -49,8 +50,12 @@ struct RowGroups {
     std::vector<char> coupled, covered;  // intervals whose rows depend on more than x_{k+1}, and on covers
     int geometry = 0, blocks = 0;
 
-    // Numbers of a pair's block: three of the line's own Hessian, two mixed with the cover, six for every sample.
-    static int block_size(const RowGroup& group) { return group.width * (5 + 6 * group.samples); }
+    // Numbers of a pair's block: three of the line's own Hessian, two mixed with the cover, six for every sample. Of a soft
+    // pair five more: see SoftBlock.
+    static int block_size(const RowGroup& group) {
+        return group.width * (5 + 6 * group.samples + (group.soft ? soft_size : 0));
+    }
+    static constexpr int soft_size = 5;
 };
 
 class RowGrouping {
@@ -66,7 +71,7 @@ class RowGrouping {
     RowGroups take() { return std::move(out_); }
 
    private:
-    using Kind = std::tuple<bool, bool, int, int, int>;  // a pair's, coupled, part, corners, samples
+    using Kind = std::tuple<bool, bool, bool, int, int, int>;  // a pair's, soft, coupled, part, corners, samples
     struct Line {
         int interval, index, row;  // index: of the pair or wall; row: its first in the problem's order
         Indices samples;
@@ -84,6 +89,7 @@ class RowGrouping {
         for (const Pair& pair : problem_.pairs) {
             if (pair.obstacle_weight != 0) out_.covered[pair.interval] = 1;
             if (problem_.motion_of(pair.obstacle)) out_.coupled[pair.interval] = 1;
+            if (pair.penalty.soft) out_.coupled[pair.interval] = 1;  // its cost depends on t_f
         }
         for (int k = 0; k < problem_.steps; ++k) out_.coupled[k] |= out_.covered[k];
     }
@@ -108,12 +114,13 @@ class RowGrouping {
                 const int at = k * parts + part, count = problem_.parts.count(part);
                 for (int sample : wall_samples)
                     for (int i = layout_.wall[at]; i < layout_.wall[at + 1]; ++i, row += count)
-                        kinds_[{false, coupled, part, 0, 1}].push_back({k, i, row, {sample}});
+                        kinds_[{false, false, coupled, part, 0, 1}].push_back({k, i, row, {sample}});
                 for (int i = layout_.pair[at]; i < layout_.pair[at + 1]; ++i) {
                     const int corners = problem_.obstacles.count(problem_.pairs[i].obstacle);
                     const int samples = static_cast<int>(pair_samples.size());
-                    kinds_[{true, coupled, part, corners, samples}].push_back({k, i, row, pair_samples});
-                    row += corners + samples * count;
+                    const bool soft = layout_.soft[i] >= 0;
+                    kinds_[{true, soft, coupled, part, corners, samples}].push_back({k, i, row, pair_samples});
+                    row += corners + samples * count + (soft ? 1 : 0);
                     if (const Motion* motion = problem_.motion_of(problem_.pairs[i].obstacle))
                         for (int sample : pair_samples) add_view({k, sample, motion});
                 }
@@ -141,14 +148,15 @@ class RowGrouping {
     }
 
     void add(const Kind& kind, const Line* lines, int width) {
-        const auto [is_pair, coupled, part, corners, samples] = kind;
-        RowGroup group{part, width, corners, samples, coupled, false, row_, 0, 0, 0, out_.geometry, out_.blocks};
+        const auto [is_pair, soft, coupled, part, corners, samples] = kind;
+        RowGroup group{part, width, corners, samples, soft, coupled, false, row_, 0, 0, 0, out_.geometry, out_.blocks};
         group.line = static_cast<int>(out_.intervals.size());
         group.sample = static_cast<int>(out_.samples.size());
         group.number = static_cast<int>(out_.numbers.size());
-        const int rows = corners + samples * problem_.parts.count(part);
+        const int rows = corners + samples * problem_.parts.count(part) + (soft ? 1 : 0);
         for (int l = 0; l < width; ++l) {
             out_.intervals.push_back(lines[l].interval), out_.line_pairs.push_back(is_pair ? lines[l].index : -1);
+            out_.penetrations.push_back(is_pair ? layout_.soft[lines[l].index] : -1);
             group.covered |= out_.covered[lines[l].interval] != 0;
             for (int i = 0; i < rows; ++i) out_.place[lines[l].row + i] = row_ + i * width + l;
             if (!is_pair) continue;

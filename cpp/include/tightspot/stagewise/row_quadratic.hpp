@@ -7,12 +7,14 @@
 
 namespace tightspot::stagewise {
 
-// Where it goes. A gradient with respect to poses, covers and lines; lines hold packs (phi, mu) group by group.
+// Where it goes. A gradient with respect to poses, covers, lines and penetrations; lines hold packs (phi, mu) group by
+// group.
 struct Forces {
     Vector poses;   // 3 of each sample
     Vector covers;  // by (interval, part)
     Vector times;   // of t_f, by interval; empty where no obstacle moves
     Vector lines;
+    Vector penetrations;
 
     void clear() {
         for (Vector* all : {&poses, &covers, &times}) std::fill(all->begin(), all->end(), 0.0);
@@ -24,7 +26,7 @@ struct RowCurvature {
     Vector pose_covers;   // mixed derivatives of pose and cover, by (sample, part): 3
     Vector covers;        // by (interval, part)
     Vector blocks;        // of pairs, packs: phi phi, phi mu, mu mu, phi cover, mu cover, then of every sample phi and mu
-                          // with x, y, theta
+                          // with x, y, theta; of a soft pair then: see SoftBlock
 
     void clear() {
         for (Vector* all : {&poses, &pose_covers, &covers}) std::fill(all->begin(), all->end(), 0.0);
@@ -60,13 +62,20 @@ struct Moments {
     }
 };
 
-// Adds the forces -J' b of a group; the lines' are set.
+// Sets what pulls at the penetrations of a group.
+template <class P, class Model>
+void set_penetrations(const RowContext<Model>& context, const RowGroup& group, P force, Forces& out) {
+    const int* places = context.penetrations(group);
+    for (int l = 0; l < lane_count<P>; ++l) out.penetrations[places[l]] = lane(force, l);
+}
+
+// Adds the forces -J' b of a group; those of lines and penetrations are set.
 template <class P, class Model>
 void row_forces(const RowContext<Model>& context, const RowGroup& group, const Values<Model>& at, const double* b,
                 Forces& out) {
     Reader<P> geometry{at.geometry.data() + group.geometry}, weights{b + group.row};
     const P nx = geometry.next(), ny = geometry.next();
-    P b0, b1, phi = 0.0, mu = 0.0, cover = 0.0;
+    P b0, b1, phi = 0.0, mu = 0.0, body = 0.0, cover = 0.0;
     if (!group.wall()) {
         sum(ObstacleSide<P>{context.numbers(group) + 4 * lane_count<P>, group.corners, nx, ny}, weights, b0, b1);
         phi = b1, mu = -b0;
@@ -78,9 +87,10 @@ void row_forces(const RowContext<Model>& context, const RowGroup& group, const V
         sum(context.body(group, cosine, sine), weights, b0, b1);
         const P pose[3] = {-nx * b0, -ny * b0, b1};
         scatter_add(pose, out.poses.data(), context.samples(group, s), 3);
-        phi -= across * b0 + b1, mu += b0;
+        phi -= across * b0 + b1, mu += b0, body += b0;
         if (group.covered) cover += context.template weight<P>(group, s) * b0;
     }
+    if (group.soft) set_penetrations(context, group, P(-body - weights.next()), out);
     if (group.covered) {
         const P covers[1] = {cover};
         scatter_add(covers, out.covers.data() + group.part, context.intervals(group), context.problem.parts.size());
@@ -88,6 +98,17 @@ void row_forces(const RowContext<Model>& context, const RowGroup& group, const V
     if (group.wall()) return;
     store(phi, out.lines.data() + 2 * group.line), store(mu, out.lines.data() + 2 * group.line + lane_count<P>);
 }
+
+// What a penetration adds to its pair's block. The body's rows have the derivatives 1 with respect to sigma and -1 with
+// respect to mu, so sigma's mixed derivatives with the poses are the body's of mu with the other sign: the block's own.
+template <class P>
+struct SoftBlock {
+    P phi = 0.0;       // mixed with phi
+    P weight = 0.0;    // sum of the body's D: minus the mixed derivative with mu
+    P own = 0.0;       // D of the row sigma >= 0
+    P obstacle = 0.0;  // sum of the obstacle's D
+    P cover = 0.0;     // mixed with the cover
+};
 
 // Adds a group's curvature, and its forces -J' z.
 template <class P, class Model>
@@ -98,12 +119,15 @@ void row_curvature(const RowContext<Model>& context, const RowGroup& group, cons
     const P nx = geometry.next(), ny = geometry.next();
     P phi = 0.0, mu = 0.0, cover = 0.0, cover_cover = 0.0;
     P phi_phi = 0.0, phi_mu = 0.0, mu_mu = 0.0, phi_cover = 0.0, mu_cover = 0.0;
+    SoftBlock<P> soft;
+    P body = 0.0;
     if (!group.wall()) {
         const Moments<P> sums(ObstacleSide<P>{context.numbers(group) + 4 * lane_count<P>, group.corners, nx, ny}, D, z);
         const P kappa = context.template side_weight<P>(group);
         phi = sums.z1, mu = -sums.z0, cover = kappa * sums.z0, cover_cover = kappa * kappa * sums.s0;
         phi_phi = sums.s2 - sums.ze, phi_mu = -sums.s1, mu_mu = sums.s0;
         phi_cover = kappa * sums.s1, mu_cover = -kappa * sums.s0;
+        soft.obstacle = sums.s0;
     }
     Writer<P> block{out.blocks.data() + group.block + 5 * lane_count<P>};
     for (int s = 0; s < group.samples; ++s) {
@@ -122,6 +146,7 @@ void row_curvature(const RowContext<Model>& context, const RowGroup& group, cons
         if (group.wall()) continue;
         const P sa = s0 * across + s1;
         phi -= across * z0 + z1, mu += z0;
+        if (group.soft) body += z0, soft.phi += sa, soft.weight += s0, soft.cover -= kappa * s0;
         phi_phi += (s0 * across + 2.0 * s1) * across + s2 + z0 * forward + ze, phi_mu -= sa, mu_mu += s0;
         phi_cover -= kappa * sa, mu_cover += kappa * s0;
         block.put(nx * sa + z0 * ny), block.put(ny * sa - z0 * nx), block.put(-(s1 * across + s2) - ze);
@@ -135,6 +160,11 @@ void row_curvature(const RowContext<Model>& context, const RowGroup& group, cons
     }
     if (group.wall()) return;
     store(phi, forces.lines.data() + 2 * group.line), store(mu, forces.lines.data() + 2 * group.line + lane_count<P>);
+    if (group.soft) {
+        soft.own = D.next();
+        set_penetrations(context, group, P(-body - z.next()), forces);
+        block.put(soft.phi), block.put(soft.weight), block.put(soft.own), block.put(soft.obstacle), block.put(soft.cover);
+    }
     block = {out.blocks.data() + group.block};
     block.put(phi_phi), block.put(phi_mu), block.put(mu_mu), block.put(phi_cover), block.put(mu_cover);
 }

@@ -3,7 +3,7 @@
 // A body's vertex r_i at a sample pose (T, R) against n . q = offset (a pair's mu, or a wall's with inward normal):
 // along + e_i - demand >= 0 with along = n . T - offset, e_i = n . R r_i, t_i = -de_i/dtheta. An obstacle's vertex O_j
 // against its pair's line: mu - e_j - demand >= 0 with e_j = n . O_j, t_j = de_j/dphi. Points of a pair are relative to
-// its origin.
+// its origin. A soft pair's penetration sigma is added to its body's rows, and sigma >= 0 is its last row.
 #pragma once
 
 #include <type_traits>
@@ -63,6 +63,12 @@ struct RowContext {
     const double* numbers(const RowGroup& group) const { return table.numbers.data() + group.number; }
     const int* intervals(const RowGroup& group) const { return table.intervals.data() + group.line; }
     const int* pairs(const RowGroup& group) const { return table.line_pairs.data() + group.line; }
+    const int* penetrations(const RowGroup& group) const { return table.penetrations.data() + group.line; }
+    // The groups' penetrations or steps of penetrations, 0 if none are allowed.
+    template <class P>
+    P penetration(const RowGroup& group, const double* sigmas) const {
+        return group.soft ? gather<P>(sigmas, penetrations(group), 1) : P(0.0);
+    }
     const int* samples(const RowGroup& group, int s) const {
         return table.samples.data() + group.sample + s * group.width;
     }
@@ -91,6 +97,7 @@ void row_values(const RowContext<Model>& context, const RowGroup& group, const d
     const P cover = context.template cover<P>(group, out.covers.data());
     const P first = numbers.next(), second = numbers.next(), third = numbers.next();
     P nx = first, ny = second, offset = third, ox = 0.0, oy = 0.0;
+    const P sigma = context.template penetration<P>(group, v + context.layout.sigma);
     if (!group.wall()) {
         const int* pairs = context.pairs(group);
         const double* line = v + context.layout.line;
@@ -102,6 +109,7 @@ void row_values(const RowContext<Model>& context, const RowGroup& group, const d
             for (int j = 0; j < count; ++j) rows.put(along - side.e(j));
         });
         numbers.at += 2 * group.corners * lane_count<P>;
+        offset -= sigma;
     }
     geometry.put(nx), geometry.put(ny);
     for (int s = 0; s < group.samples; ++s) {
@@ -118,6 +126,7 @@ void row_values(const RowContext<Model>& context, const RowGroup& group, const d
             for (int i = 0; i < count; ++i) rows.put(along + side.e(i));
         });
     }
+    if (group.soft) rows.put(sigma);
 }
 
 // The clearance demanded in each row.
@@ -135,12 +144,14 @@ void row_demands(const RowContext<Model>& context, const RowGroup& group, const 
         const P constant = numbers.next(), demand = constant + numbers.next() * cover;
         for (int i = 0; i < context.problem.parts.count(group.part); ++i) rows.put(demand);
     }
+    if (group.soft) rows.put(0.0);
 }
 
-// Steps of the rows, J dv, from the steps of the sample poses (3 each), covers and lines (phi, mu of each pair).
+// Steps of the rows, J dv, from the steps of the sample poses (3 each), covers, lines (phi, mu of each pair) and
+// penetrations.
 template <class P, class Model>
 void row_steps(const RowContext<Model>& context, const RowGroup& group, const Values<Model>& at, const double* poses,
-               const double* covers, const double* lines, double* out) {
+               const double* covers, const double* lines, const double* sigmas, double* out) {
     Reader<P> geometry{at.geometry.data() + group.geometry};
     Writer<P> rows{out + group.row};
     const P cover = context.template cover<P>(group, covers), nx = geometry.next(), ny = geometry.next();
@@ -154,6 +165,8 @@ void row_steps(const RowContext<Model>& context, const RowGroup& group, const Va
             for (int j = 0; j < count; ++j) rows.put(along - dphi * side.t(j));
         });
     }
+    const P dsigma = context.template penetration<P>(group, sigmas);
+    dmu -= dsigma;
     for (int s = 0; s < group.samples; ++s) {
         const int* samples = context.samples(group, s);
         const P cosine = geometry.next(), sine = geometry.next(), forward = geometry.next(), across = geometry.next();
@@ -166,6 +179,7 @@ void row_steps(const RowContext<Model>& context, const RowGroup& group, const Va
             for (int i = 0; i < count; ++i) rows.put(along + turn * side.t(i));
         });
     }
+    if (group.soft) rows.put(dsigma);
 }
 
 }  // namespace tightspot::stagewise

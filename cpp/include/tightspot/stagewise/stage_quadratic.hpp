@@ -32,6 +32,25 @@ struct StageQuadratic {
             subtract(S::na + i, q_ahead, s_ahead, ahead + i * S::nx);
         }
     }
+
+    // -= factor p p'.
+    void subtract_square(double factor, const double* p) {
+        for (int i = 0; i < S::na; ++i)
+            for (int j = 0; j < S::na; ++j) own[i * S::na + j] -= factor * p[i] * p[j];
+        for (int i = 0; i < S::nx; ++i) {
+            const double row = factor * p[S::na + i];
+            for (int j = 0; j < S::na; ++j) mixed[i * S::na + j] -= row * p[j];
+            for (int j = 0; j < S::nx; ++j) ahead[i * S::nx + j] -= row * p[S::na + j];
+        }
+    }
+};
+
+// Of a soft pair: mixed derivatives of the penetration with phi and w. `weight` is the sum of D over the body's rows and
+// minus the mixed derivative with mu, `obstacle` that over the obstacle's; `own` is D of the row sigma >= 0.
+template <class Model>
+struct PenetrationBlock {
+    double phi, weight, own, obstacle;
+    double w[Sizes<Model>::nw];
 };
 
 // A line's block of the Hessian: of (phi, mu) itself, and its rows of mixed derivatives with w.

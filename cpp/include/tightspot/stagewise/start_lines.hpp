@@ -36,9 +36,10 @@ struct GuessedMotion {
     }
 };
 
-// A line {q: n . q = offset}, n = (cos phi, sin phi), and its point next to the body's reference point.
+// A line {q: n . q = offset}, n = (cos phi, sin phi), its point next to the body's reference point, and how far the body
+// lies beyond the obstacle along n: negative if they overlap.
 struct StartLine {
-    double phi, offset, x, y;
+    double phi, offset, x, y, gap;
 };
 
 class StartLines {
@@ -60,7 +61,8 @@ class StartLines {
         }
         const tightspot::Point n = line.normal;
         const double offset = (nearest + line.support) / 2, away = n.x * middle.x + n.y * middle.y - offset;
-        return {std::atan2(n.y, n.x), offset, middle.x - away * n.x, middle.y - away * n.y};
+        return {std::atan2(n.y, n.x), offset, middle.x - away * n.x, middle.y - away * n.y,
+                nearest - line.support};
     }
 
    private:

@@ -34,6 +34,7 @@ class Sweep {
    public:
     Sweep(const Problem& problem, const Layout& layout, const Assembly<Model>& assembly)
         : problem_(problem), layout_(layout), factors_(problem.steps), pair_inverses_(assembly.pairs.size()),
+          softened_(assembly.penetrations.size()), penetration_inverses_(assembly.penetrations.size()),
           gradient_(problem.steps * nw), inverses_(3 * assembly.rows.intervals.size()), eliminated_(6 * problem.steps) {}
 
     // False if the reduced Hessian, with `regularisation` added to its diagonal, is not positive definite.
@@ -125,7 +126,8 @@ class Sweep {
     void eliminate_lines(const Assembly<Model>& assembly, int k, StageQuadratic<Model>& stage) {
         const int parts = problem_.parts.size();
         for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
-            const PairBlock<Model>& pair = assembly.pairs[i];
+            if (layout_.soft[i] >= 0) eliminate_penetration(assembly, i, stage);
+            const PairBlock<Model>& pair = block(assembly, i);
             const LineInverse<double> inverse = pair_inverses_[i] =
                 invert_line<double>(pair.phi_phi, pair.phi_mu, pair.mu_mu);
             double phi[nw], mu[nw];
@@ -135,6 +137,41 @@ class Sweep {
             }
             stage.subtract_outer(pair.phi, phi, pair.mu, mu);
         }
+    }
+
+    // A pair's block, without the penetration if it is soft.
+    const PairBlock<Model>& block(const Assembly<Model>& assembly, int pair) const {
+        const int j = layout_.soft[pair];
+        return j < 0 ? assembly.pairs[pair] : softened_[j];
+    }
+
+    // The penetration's pivot is a sum of barrier weights. What it leaves of mu's curvature is that of the obstacle's rows
+    // and, like two springs in series, that of the body's rows and of sigma >= 0: no difference is taken.
+    void eliminate_penetration(const Assembly<Model>& assembly, int i, StageQuadratic<Model>& stage) {
+        const int j = layout_.soft[i];
+        const PairBlock<Model>& pair = assembly.pairs[i];
+        const PenetrationBlock<Model>& of = assembly.penetrations[j];
+        PairBlock<Model>& left = softened_[j];
+        const double inverse = penetration_inverses_[j] = 1 / (of.weight + of.own);
+        const double phi = of.phi * inverse, mu = of.weight * inverse;
+        left.phi_phi = pair.phi_phi - of.phi * phi;
+        left.phi_mu = pair.phi_mu + of.weight * phi;
+        left.mu_mu = of.obstacle + of.own * mu;
+        for (int c = 0; c < nw; ++c) left.phi[c] = pair.phi[c] - phi * of.w[c], left.mu[c] = pair.mu[c] + mu * of.w[c];
+        stage.subtract_square(inverse, of.w);
+    }
+
+    // The gradient with respect to a pair's phi and mu; without the penetration if it is soft.
+    struct LineGradient {
+        double phi, mu;
+    };
+    LineGradient line_gradient(const Assembly<Model>& assembly, const Gradient& gradient, int i) const {
+        const LineGradient line{assembly.line_force(gradient, i, 0), assembly.line_force(gradient, i, 1)};
+        const int j = layout_.soft[i];
+        if (j < 0) return line;
+        const PenetrationBlock<Model>& of = assembly.penetrations[j];
+        const double move = gradient.forces.penetrations[j] * penetration_inverses_[j];
+        return {line.phi - of.phi * move, line.mu + of.weight * move};
     }
 
     // The components of z_0 that are free: (x_0's free ones, t_f).
@@ -176,11 +213,15 @@ class Sweep {
         const int parts = problem_.parts.size();
         double* g = gradient_.data() + k * nw;
         for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
-            const PairBlock<Model>& pair = assembly.pairs[i];
+            const PairBlock<Model>& pair = block(assembly, i);
             const LineInverse<double>& inverse = pair_inverses_[i];
-            const double a = assembly.line_force(gradient, i, 0), b = assembly.line_force(gradient, i, 1);
+            const auto [a, b] = line_gradient(assembly, gradient, i);
             const double phi = inverse.phi_phi * a + inverse.phi_mu * b, mu = inverse.phi_mu * a + inverse.mu_mu * b;
             for (int c = 0; c < nw; ++c) g[c] -= pair.phi[c] * phi + pair.mu[c] * mu;
+            const int j = layout_.soft[i];
+            if (j < 0) continue;
+            const double move = gradient.forces.penetrations[j] * penetration_inverses_[j];
+            for (int c = 0; c < nw; ++c) g[c] -= assembly.penetrations[j].w[c] * move;
         }
     }
 
@@ -229,19 +270,32 @@ class Sweep {
         double w[nw];
         assembly.gather(dv, k, w);
         for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
-            const PairBlock<Model>& pair = assembly.pairs[i];
-            double phi = assembly.line_force(gradient, i, 0), mu = assembly.line_force(gradient, i, 1);
+            const PairBlock<Model>& pair = block(assembly, i);
+            auto [phi, mu] = line_gradient(assembly, gradient, i);
             for (int c = 0; c < nw; ++c) phi += pair.phi[c] * w[c], mu += pair.mu[c] * w[c];
             const LineInverse<double>& inverse = pair_inverses_[i];
             dv[layout_.aux(i)] = -inverse.phi_phi * phi - inverse.phi_mu * mu;
             dv[layout_.aux(i) + 1] = -inverse.phi_mu * phi - inverse.mu_mu * mu;
+            if (layout_.soft[i] >= 0) step_penetration(assembly, gradient, i, w, dv);
         }
+    }
+
+    void step_penetration(const Assembly<Model>& assembly, const Gradient& gradient, int i, const double* w,
+                          double* dv) const {
+        const int j = layout_.soft[i];
+        const PenetrationBlock<Model>& of = assembly.penetrations[j];
+        const double* line = dv + layout_.aux(i);
+        double sum = gradient.forces.penetrations[j] + of.phi * line[0] - of.weight * line[1];
+        for (int c = 0; c < nw; ++c) sum += of.w[c] * w[c];
+        dv[layout_.sigma + j] = -sum * penetration_inverses_[j];
     }
 
     const Problem& problem_;
     const Layout& layout_;
     std::vector<RiccatiStage<Model>> factors_;
     std::vector<LineInverse<double>> pair_inverses_;  // of pairs in coupled intervals
+    std::vector<PairBlock<Model>> softened_;          // of soft pairs, see `block`
+    Vector penetration_inverses_;
     Vector gradient_;
     Vector inverses_;    // of groups of other lines, packs: phi phi, phi mu, mu mu
     Vector eliminated_;  // what these lines leave at the pose of x_{k+1}: xx, xy, yy, x theta, y theta, theta theta

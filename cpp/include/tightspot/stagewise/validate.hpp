@@ -39,6 +39,12 @@ inline bool finite_or_free(const Vector& values, std::size_t size) {
     return true;
 }
 
+// A penetration must cost something at every t_f.
+inline bool sound(const Penalty& penalty, double time_low) {
+    return penalty.constant >= 0 && penalty.timed >= 0 && std::isfinite(penalty.constant + penalty.timed) &&
+           penalty.at(time_low) > 0;
+}
+
 template <class Item>
 bool sorted_within(const std::vector<Item>& items, int steps, int parts) {
     int last = 0;
@@ -97,6 +103,7 @@ inline std::string flaw(const Problem& problem, int nx, int nu, int parameters) 
         if (!std::isfinite(pair.origin[0] + pair.origin[1])) return "pair origins";
         if (!std::isfinite(pair.obstacle_side + pair.obstacle_weight)) return "pair sides";
         if (!std::isfinite(pair.extra)) return "pair_extras";
+        if (pair.penalty.soft && !sound(pair.penalty, problem.time_low)) return "pair_penalties";
     }
     if (!sorted_within(problem.walls, problem.steps, problem.parts.size())) return "walls";
     for (const Wall& wall : problem.walls)
