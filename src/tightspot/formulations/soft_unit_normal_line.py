@@ -97,7 +97,7 @@ def rows_of_soft_line(auxiliary: Any, pair: Pair) -> list[Rows]:
 
 
 def start_of_soft_line(poses: Array, body: ConvexPolygon, obstacle: ConvexPolygon) -> Array:
-    """The best line of the guess; where the two overlap, at the obstacle's edge, and how far the body reaches beyond."""
+    """The best line of the guess; where the two overlap, at the obstacle's edge, and the body's reach beyond."""
     normal, offset = line_of_guess(poses, body, obstacle)
     nearest = np.einsum("mpvi,mi->mpv", transform(body.vertices, poses), normal).min(axis=(1, 2))
     overlap = np.maximum(0.0, 2 * (offset - nearest))

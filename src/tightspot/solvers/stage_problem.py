@@ -152,7 +152,7 @@ class StageProblem:
         return ~np.isnan(self.pair_penalties[:, 0])
 
     def starting_point(self) -> Array:
-        """The core's variables: states, inputs, t_f, (phi, mu) of each pair with mu from its origin, soft ones' sigma."""
+        """The core's variables: states, inputs, t_f, (phi, mu) of each pair, mu from its origin, sigma of soft ones."""
         return self.variables(self.states, self.inputs, self.final_time, self.lines, self.penetrations)
 
     def variables(self, states: Array, inputs: Array, final_time: float, lines: Array, penetrations: Array) -> Array:
