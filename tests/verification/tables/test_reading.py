@@ -190,6 +190,8 @@ WRONG = {
     "time stands": ("t,x,y\n0,0,0\n0,1,0\n1,2,0\n", ["line 3, column 't'", "times must increase"]),
     "time runs back": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", ["line 4", "1 s does not come after 2 s"]),
     "a day and more": ("t,x,y\n0,0,0\n100000,1,0\n", ["more than a day", "[ms]"]),
+    "millimetres": ("t,x,y,v\n0,0,0,1\n.05,50,0,1\n.1,100,0,1\n", ["look like millimetres", "x [mm] and y [mm]"]),
+    "centimetres": ("t,x,y,v\n0,0,0,1\n.05,5,0,1\n.1,10,0,1\n", ["look like centimetres", "x [cm] and y [cm]"]),
     "milliseconds": ("t,x,y,v\n0,0,0,1\n50,0.05,0,1\n100,.1,0,1\n", ["looks like milliseconds", "t [ms]"]),
     "NaN": ("x,y\n0,0\nnan,1\n2,2\n", ["line 3, column 'x'", "not a finite number"]),
     "infinity": ("x,y\n0,0\n1,inf\n2,2\n", ["line 3, column 'y'", "finite"]),

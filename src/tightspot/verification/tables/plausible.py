@@ -55,7 +55,7 @@ def implausible(
     if problems:
         return problems
     if "t" in values:
-        problems += _times(values["t"], names["t"], where) or _milliseconds(values, explicit, names["t"])
+        problems += _times(values["t"], names["t"], where) or _by_speeds(values, explicit, names)
     if "theta" in values and "theta" not in explicit:
         problems += _heading(values, names["theta"])
     if "delta" in values:
@@ -81,17 +81,25 @@ def _times(t: Array, name: str, where: Sequence[str]) -> list[Problem]:
     return problems
 
 
-def _milliseconds(values: Mapping[str, Array], explicit: Collection[str], name: str) -> list[Problem]:
-    """Times are a thousand times too long if the way is a thousand times too short for the speeds."""
-    if "v" not in values or "t" in explicit:
+def _by_speeds(values: Mapping[str, Array], explicit: Collection[str], names: Mapping[str, str]) -> list[Problem]:
+    """Times are a thousand times too long if the way is a thousand times too short for the speeds; a way that is a
+    hundred or a thousand times too long is in centimetres or millimetres."""
+    if "v" not in values:
         return []
     speed = np.abs(values["v"])
     told = float((np.diff(values["t"]) * 0.5 * (speed[1:] + speed[:-1])).sum())
     driven = float(np.hypot(np.diff(values["x"]), np.diff(values["y"])).sum())
-    if not (driven > 0 and 900 < told / driven < 1100):
+    if not (driven > 0 and told > 0):
         return []
-    sentence = f"looks like milliseconds by speeds and positions; write the unit, for example {name} [ms]"
-    return [Problem(f"column {shown(name)}", sentence)]
+    if "t" not in explicit and 900 < told / driven < 1100:
+        sentence = f"looks like milliseconds by speeds and positions; write the unit, for example {names['t']} [ms]"
+        return [Problem(f"column {shown(names['t'])}", sentence)]
+    for unit, word, factor in (("cm", "centimetres", 100.0), ("mm", "millimetres", 1000.0)):
+        if not {"x", "y"} & set(explicit) and 0.9 * factor < driven / told < 1.1 * factor:
+            advice = f"write the units, for example {names['x']} [{unit}] and {names['y']} [{unit}]"
+            columns = f"columns {shown(names['x'])} and {shown(names['y'])}"
+            return [Problem(columns, f"look like {word} by times and speeds; {advice}")]
+    return []
 
 
 def _heading(values: Mapping[str, Array], name: str) -> list[Problem]:
