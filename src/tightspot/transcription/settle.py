@@ -155,13 +155,14 @@ class _Program:
         warm = None
         if isinstance(earlier, StageReport) and earlier.problem is not None and earlier.point is not None:
             warm = earlier.point
-            states, inputs, final_time, lines = earlier.problem.unpack(warm.v)
+            states, inputs, final_time, lines, penetrations = earlier.problem.unpack(warm.v)
             problem = problem.replaced(
                 pair_origins=earlier.problem.pair_origins,
                 states=states,
                 inputs=inputs,
                 final_time=final_time,
                 lines=lines,
+                penetrations=penetrations,
             )
         report = solver.solve_stages(problem, warm=warm)
         if not report.status.success or report.states is None or report.inputs is None:
