@@ -16,13 +16,13 @@ from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
 from tightspot.planner.course import certified, run_rounds
 from tightspot.planner.mesh import steps_for
 from tightspot.planner.passing import Verdict
-from tightspot.planner.penetration import Penetration, shallowest
+from tightspot.planner.penetration import Penetration
 from tightspot.planner.progress import Progress, ProgressCallback
-from tightspot.planner.request import Request, resolve_solver
+from tightspot.planner.request import Request
+from tightspot.planner.shallowest import shallowest, soft_solvers
 from tightspot.scenarios.bottleneck import is_closed
 from tightspot.scenarios.remedies import fits
 from tightspot.search import COARSE, MEDIUM, HybridAStarOptions, shortest_path
-from tightspot.solvers import Fatrop, Stagewise
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import SingleTrack
 
@@ -61,9 +61,7 @@ def reeds_shepp(request: Request, car: SingleTrack) -> Trajectory:
 
 def least_penetration(request: Request, starts: Sequence[Start], deadline: float) -> Penetration | None:
     """The shallowest of the local minima from the starts; ``None`` if no solve ended well."""
-    usable = (request.solver, *request.fallbacks)
-    solvers = [solver for solver in usable if not isinstance(solver, Stagewise | Fatrop)]
-    solver = next(iter(solvers), resolve_solver(None))
+    solvers = soft_solvers(request.vehicle)
     best: Penetration | None = None
     for start in starts:
         seconds = min(PENETRATION_SECONDS, deadline - time.perf_counter())
@@ -74,7 +72,7 @@ def least_penetration(request: Request, starts: Sequence[Start], deadline: float
                 request.scenario,
                 request.vehicle,
                 start.trajectory,
-                solver,
+                solvers,
                 objective=request.objective,
                 steps=request.steps or steps_for(start.trajectory),
                 margin=request.margin,
