@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import tightspot
-from benchmarks.plan_scenes import RESULTS, machine
+from benchmarks.report import keep, machine, table, tell
 from tightspot.formulations import FORMULATIONS
 from tightspot.guesses import GUESSES
 
@@ -51,45 +51,32 @@ def attempt(scene: str, formulation: str, guess: str) -> dict[str, Any]:
     }
 
 
-def summary(rows: list[dict[str, Any]]) -> list[str]:
-    """A Markdown table, one line a method: medians over the scenes that it certified."""
-    lines = [
-        "| formulation | guess | certified | in the first round | rounds | iterations | J | seconds |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+COLUMNS = (
+    ("formulation", "formulation", "{}"),
+    ("guess", "guess", "{}"),
+    ("certified", "certified", "{}"),
+    ("in the first round", "first", "{}"),
+    ("rounds", "rounds", "{:g}"),
+    ("iterations", "iterations", "{:g}"),
+    ("J", "objective", "{:.2f}"),
+    ("seconds", "seconds", "{:.3f}"),
+)
+
+
+def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """One line a method: medians over the scenes that it certified."""
+    lines = []
     for formulation, guess in methods():
         mine = [row for row in rows if (row["formulation"], row["guess"]) == (formulation, guess)]
         good = [row for row in mine if row["certified"]]
-        first = sum(row["first_round_certified"] for row in good)
-        cells = [formulation, guess, f"{len(good)} of {len(mine)}", str(first)]
-        for key, form in (
-            ("rounds", "{:g}"),
-            ("iterations", "{:g}"),
-            ("objective", "{:.2f}"),
-            ("seconds", "{:.1f}"),
-        ):
-            cells.append(form.format(statistics.median(row[key] for row in good)) if good else "-")
-        lines.append("| " + " | ".join(cells) + " |")
+        counts = {
+            "certified": f"{len(good)} of {len(mine)}",
+            "first": sum(row["first_round_certified"] for row in good),
+        }
+        keys = ("rounds", "iterations", "objective", "seconds") if good else ()
+        medians = {key: statistics.median(row[key] for row in good) for key in keys}
+        lines.append({"formulation": formulation, "guess": guess, **counts, **medians})
     return lines
-
-
-def as_markdown(rows: list[dict[str, Any]], where: dict[str, Any]) -> str:
-    """What the results file holds."""
-    scenes = ", ".join(dict.fromkeys(row["scene"] for row in rows))
-    lines = [
-        "# Formulations and guesses compared",
-        "",
-        "Written by `python -m benchmarks.compare_methods`.",
-        "",
-    ]
-    lines.append("- " + ", ".join(f"{key} {value}" for key, value in where.items()))
-    lines.append(f"- scenes: {scenes}; the scenes' own vehicles and margins; medians over the certified ones")
-    failures = [
-        f"- {row['scene']}, {row['formulation']}, {row['guess']}: {row['reason']}"
-        for row in rows
-        if not row["certified"]
-    ]
-    return "\n".join([*lines, "", *summary(rows), "", "## Not certified", "", *(failures or ["None."])]) + "\n"
 
 
 def main() -> int:
@@ -103,16 +90,18 @@ def main() -> int:
         for formulation, guess in methods():
             sys.stderr.write(f"{Path(scene).stem}: {formulation} from {guess} ...\n")
             rows.append(attempt(scene, formulation, guess))
-    where = machine()
-    report = as_markdown(rows, where)
-    sys.stdout.write(report)
+    scenes = ", ".join(dict.fromkeys(row["scene"] for row in rows))
+    note = f"scenes: {scenes}; the scenes' own vehicles and margins; medians over the certified ones"
+    failures = [
+        f"- {row['scene']}, {row['formulation']}, {row['guess']}: {row['reason']}"
+        for row in rows
+        if not row["certified"]
+    ]
+    rest = ["## Not certified", "", *(failures or ["None."])]
+    lines = table(summary(rows), COLUMNS)
+    tell("compare_methods", "Formulations and guesses compared", note, lines, write=not options.no_write, rest=rest)
     if not options.no_write:
-        RESULTS.mkdir(exist_ok=True)
-        (RESULTS / "compare_methods.md").write_text(report, encoding="utf-8")
-        table = "\n".join(summary(rows)) + "\n"  # the documentation shows it
-        (RESULTS / "compare_methods_table.md").write_text(table, encoding="utf-8")
-        content = json.dumps({"machine": where, "runs": rows}, indent=2) + "\n"
-        (RESULTS / "compare_methods.json").write_text(content, encoding="utf-8")
+        keep("compare_methods.json", json.dumps({"machine": machine(), "runs": rows}, indent=2) + "\n")
     return 0
 
 

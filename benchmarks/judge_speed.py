@@ -14,7 +14,7 @@ from unittest.mock import patch
 import numpy as np
 
 import tightspot
-from benchmarks.plan_scenes import machine
+from benchmarks.report import machine
 from tightspot.geometry import ConvexPolygon
 from tightspot.scenarios import Obstacle, Scenario
 from tightspot.trajectory import Trajectory

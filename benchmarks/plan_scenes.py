@@ -9,25 +9,21 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
-import platform
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import tightspot
 from benchmarks.replay import replay_file
+from benchmarks.report import keep, machine, page, table
 from benchmarks.run import run_tightspot
 from benchmarks.scenes import PROMISED_MARGIN, builtin_scenes, tpcap_scenes
 from tightspot import scenarios
 from tightspot.guesses import HybridAStar
 
-RESULTS = Path(__file__).parent / "results"
 SEARCHES = 11
 
 
@@ -80,26 +76,6 @@ def import_time() -> float:
     return 1000 * (best("import tightspot") - best("pass"))
 
 
-def machine() -> dict[str, Any]:
-    """Where and with what it was measured."""
-    names = ("numpy", "shapely", "casadi")
-    return {
-        "processor": _processor(),
-        "cores": os.cpu_count(),
-        "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(),
-        "tightspot": tightspot.__version__,
-        **{name: version(name) for name in names},
-    }
-
-
-def _processor() -> str:
-    info = Path("/proc/cpuinfo")
-    lines = info.read_text().splitlines() if info.exists() else []
-    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return models[0] if models else platform.processor()
-
-
 _COLUMNS = (
     ("scene", "scene", "{}"),
     ("process s", "seconds", "{:.1f}"),
@@ -118,30 +94,18 @@ _COLUMNS = (
 
 def as_markdown(rows: list[dict[str, Any]], where: dict[str, Any], imported: float) -> str:
     """The table and the machine, as the results file holds them."""
-    lines = [
-        "# Plans of all scenes",
-        "",
-        "Written by `make bench`. One process a scene, one scene at a time.",
-        "",
+    notes = [
+        "one process a scene, one scene at a time",
+        "process s: the whole `tightspot plan`, files included; plan s: `tightspot.plan` alone",
+        "replay m: smallest distance in an independent replay in 1 ms steps; certified m: its proved bound",
+        f"hybrid A* ms: median of {SEARCHES} searches, lifted to a trajectory",
     ]
-    lines.append("- " + ", ".join(f"{key} {value}" for key, value in where.items()))
-    lines.append("- process s: the whole `tightspot plan`, files included; plan s: `tightspot.plan` alone")
-    lines.append("- replay m: smallest distance in an independent replay in 1 ms steps; certified m: its proved bound")
-    lines.append(f"- hybrid A* ms: median of {SEARCHES} searches, lifted to a trajectory")
-    lines += [
-        "",
-        "| " + " | ".join(heading for heading, _, _ in _COLUMNS) + " |",
-        "|" + "---|" * len(_COLUMNS),
-    ]
-    for row in rows:
-        cells = [form.format(row[key]) if row.get(key) is not None else "-" for _, key, form in _COLUMNS]
-        lines.append("| " + " | ".join(cells) + " |")
     problems = [f"- {row['scene']}: {problem}" for row in rows for problem in row["problems"]]
-    lines += ["", "## Problems", "", *(problems or ["None."])]
     searches = [row["hybrid_astar_ms"] for row in rows if "hybrid_astar_ms" in row]
+    lines = [*table(rows, _COLUMNS), "", "## Problems", "", *(problems or ["None."])]
     lines += ["", f"Hybrid A*, median over the scenes: {statistics.median(searches):.1f} ms."]
     lines += ["", f"`import tightspot`: {imported:.0f} ms beyond an empty process."]
-    return "\n".join(lines) + "\n"
+    return page("make bench", "Plans of all scenes", notes, lines, where)
 
 
 def main() -> int:
@@ -161,10 +125,9 @@ def main() -> int:
     report = as_markdown(rows, where, imported)
     sys.stdout.write(report)
     if not options.no_write:
-        RESULTS.mkdir(exist_ok=True)
-        (RESULTS / "plan_scenes.md").write_text(report, encoding="utf-8")
+        keep("plan_scenes.md", report)
         content = json.dumps({"machine": where, "import_ms": imported, "scenes": rows}, indent=2) + "\n"
-        (RESULTS / "plan_scenes.json").write_text(content, encoding="utf-8")
+        keep("plan_scenes.json", content)
     return int(any(row["problems"] for row in rows))
 
 

@@ -16,8 +16,8 @@ from typing import Any
 
 import tightspot
 from benchmarks.certify_campaign.rows import append_row, read_rows
-from benchmarks.plan_scenes import RESULTS
 from benchmarks.random_scenes import random_scene
+from benchmarks.report import RESULTS
 from tightspot.errors import TightspotError
 from tightspot.guesses import HybridAStar
 from tightspot.scenarios import Scenario

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.plan_scenes import RESULTS, machine
+from benchmarks.report import keep, page, table
 
 STEPS = 14
 QP_SOLVERS = ("qrqp", "osqp", "proxqp", "piqp", "qpoases", "highs", "daqp", "ipqp", "hpipm", "clp", "superscs")
@@ -117,21 +117,21 @@ def _last_words(said: list[str]) -> str:
     return re.sub(r"^.*?[.][ch]pp:\d+: ", "", said[-1])[:100]
 
 
+COLUMNS = (
+    ("solver", "candidate", "{}"),
+    ("scene", "scene", "{}"),
+    ("J", "objective", "{:.6g}"),
+    ("violation", "violation", "{:.1e}"),
+    ("iterations", "iterations", "{}"),
+    ("seconds", "seconds", "{:.3f}"),
+    ("its own word", "status", "{}"),
+)
+
+
 def as_markdown(rows: list[dict[str, Any]], limit: float) -> str:
     """The table, with the machine it is of."""
-    where = ", ".join(f"{key} {value}" for key, value in machine().items())
-    lines = ["# SQP solvers of CasADi's wheel", "", "Written by `python -m benchmarks.sqp_solvers`.", "", f"- {where}"]
-    lines += [f"- formulation (17) with a unit normal, {STEPS} steps, hybrid A* guess, {limit:g} s a solve at most", ""]
-    lines.append("| solver | scene | J | violation | iterations | seconds | its own word |")
-    lines.append("|---|---|---|---|---|---|---|")
-    for row in rows:
-        numbers = ["-"] * 4
-        if "objective" in row:
-            numbers = [f"{row['objective']:.6g}", f"{row['violation']:.1e}", str(row["iterations"])]
-            numbers.append(f"{row['seconds']:.3f}")
-        word = str(row["status"]).replace("|", "/")
-        lines.append("| " + " | ".join([row["candidate"], row["scene"], *numbers, word]) + " |")
-    return "\n".join(lines) + "\n"
+    note = f"formulation (17) with a unit normal, {STEPS} steps, hybrid A* guess, {limit:g} s a solve at most"
+    return page("python -m benchmarks.sqp_solvers", "SQP solvers of CasADi's wheel", [note], table(rows, COLUMNS))
 
 
 def main() -> int:
@@ -153,8 +153,7 @@ def main() -> int:
     report = as_markdown(rows, options.limit)
     sys.stdout.write(report)
     if not options.no_write:
-        RESULTS.mkdir(exist_ok=True)
-        (RESULTS / "sqp_solvers.md").write_text(report, encoding="utf-8")
+        keep("sqp_solvers.md", report)
     return 0
 
 

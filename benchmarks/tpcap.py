@@ -11,12 +11,11 @@ import argparse
 import re
 import sys
 import tempfile
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.plan_scenes import RESULTS, machine
 from benchmarks.replay import replay_file
+from benchmarks.report import keep, page, table
 from benchmarks.run import run_tightspot
 from tightspot import scenarios
 from tightspot.errors import TightspotError
@@ -92,24 +91,9 @@ def at_knots(path: Path, steps: int) -> Row:
     return {"steps": steps, "duration": best.final_time, "depth": max(0.0, -judged.clearance)}
 
 
-def table(rows: Sequence[Row], columns: Iterable[tuple[str, str, str]]) -> list[str]:
-    """Lines of a table; columns are (heading, key, form)."""
-    columns = tuple(columns)
-    lines = ["| " + " | ".join(heading for heading, _, _ in columns) + " |", "|" + "---|" * len(columns)]
-    for row in rows:
-        cells = [form.format(row[key]) if row.get(key) is not None else "-" for _, key, form in columns]
-        lines.append("| " + " | ".join(cells) + " |")
-    return lines
-
-
 def report(plans: list[Row], fast: list[Row], knots: list[Row]) -> str:
     """The results file."""
-    lines = ["# The competition's scenes", "", "Written by `python -m benchmarks.tpcap DIRECTORY`.", ""]
-    lines += ["Measured on: " + ", ".join(f"{key} {value}" for key, value in machine().items()) + ".", ""]
-    lines += [
-        f"As the files say (at rest with straight wheels at both ends), margin {MARGIN} m, effort `balanced`:",
-        "",
-    ]
+    lines = [f"As the files say (at rest with straight wheels at both ends), margin {MARGIN} m, effort `balanced`:", ""]
     lines += table(
         plans,
         (
@@ -153,7 +137,7 @@ def report(plans: list[Row], fast: list[Row], knots: list[Row]) -> str:
     problems = [f"- {row['scene']}: {problem}" for row in (*plans, *fast) for problem in row["problems"]]
     if problems:
         lines += ["", "Problems:", "", *problems]
-    return "\n".join(lines) + "\n"
+    return page("python -m benchmarks.tpcap DIRECTORY", "The competition's scenes", [], lines)
 
 
 def main() -> int:
@@ -173,8 +157,7 @@ def main() -> int:
     text = report(plans, fast, knots)
     sys.stdout.write(text)
     if not options.no_write:
-        RESULTS.mkdir(exist_ok=True)
-        (RESULTS / "tpcap.md").write_text(text, encoding="utf-8")
+        keep("tpcap.md", text)
     return int(any(row["problems"] for row in (*plans, *fast)))
 
 

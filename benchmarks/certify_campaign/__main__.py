@@ -22,8 +22,8 @@ from benchmarks.certify_campaign.report import as_markdown
 from benchmarks.certify_campaign.rows import append_row, read_rows
 from benchmarks.certify_campaign.scene_run import run_scene
 from benchmarks.certify_campaign.summary import summarise
-from benchmarks.plan_scenes import RESULTS, machine
 from benchmarks.random_scenes import random_scene
+from benchmarks.report import RESULTS, machine
 
 SCENES_A_WORKER = 50
 SECONDS_BEYOND = 240.0
