@@ -233,6 +233,8 @@ GOOD = {"polygon": BOX, "poses": np.zeros((4, 3)), "rates": np.zeros((4, 3)), "f
         ({"poses": np.zeros((4, 2))}, "poses.*shape"),
         ({"poses": np.zeros(3)}, "poses.*shape"),
         ({"poses": "far away"}, "poses.*shape"),
+        ({"poses": np.full((4, 3), 1e300)}, "poses.*beyond"),
+        ({"polygon": BOX.vertices}, "polygon.*ndarray"),
         ({"rates": np.zeros((3, 3))}, "rates.*shape"),
         ({"final_time": 0.0}, "final_time.*positive"),
         ({"final_time": np.nan}, "final_time.*positive"),
@@ -256,6 +258,8 @@ def test_a_motion_with_other_knots_is_refused(write):
     [
         (lambda t: np.zeros((t.size, 2)), "shape"),
         (lambda t: np.full((t.size, 3), np.nan), "at 0 s"),
+        (lambda t: "later", "no table"),
+        (lambda t: 3.0, "shape"),
         (lambda t: np.where(t[:, None] > 2.0, np.inf, np.zeros((1, 3))), "inf.* at "),
     ],
 )

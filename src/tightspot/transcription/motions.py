@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 MotionOfTime = Callable[[Array], Array]
 """Poses (x m, y m, theta rad), (m, 3), at times t, s, (m,). The heading may jump by 2 pi."""
 
+LARGEST = 1e12
+"""Of poses and rates: what is beyond that is a mistake."""
 STEP = 1e-5
 """Of the differences that rates come from, relative to t_f."""
 
@@ -56,6 +58,11 @@ class ObstacleMotion:
 
     def __post_init__(self) -> None:
         problems = []
+        if not isinstance(self.polygon, ConvexPolygon):
+            sentence = (
+                f"of {self.name} is a {type(self.polygon).__name__}; give a ConvexPolygon, one for each convex part"
+            )
+            problems.append(Problem("motions.polygon", sentence))
         for key in ("poses", "rates"):
             try:
                 table = np.array(getattr(self, key), float)
@@ -66,9 +73,10 @@ class ObstacleMotion:
             if table.ndim != 2 or table.shape[1:] != (3,) or len(table) < 2:
                 sentence = f"has shape {table.shape}; give one row (x, y, theta) a knot, (N + 1, 3)"
                 problems.append(Problem(f"motions.{key}", sentence))
-            elif not np.isfinite(table).all():
-                knot = int(np.flatnonzero(~np.isfinite(table).all(axis=1))[0])
-                problems.append(Problem(f"motions.{key}", f"{table[knot]} of {self.name} at knot {knot} is not finite"))
+            elif not (usable := _usable(table)).all():
+                knot = int(np.flatnonzero(~usable)[0])
+                sentence = f"{table[knot]} of {self.name} at knot {knot} is not finite, or beyond {LARGEST:g}"
+                problems.append(Problem(f"motions.{key}", sentence))
         if not problems and self.poses.shape != self.rates.shape:
             sentence = f"has shape {self.rates.shape}, but the poses have {self.poses.shape}; give a rate for each"
             problems.append(Problem("motions.rates", sentence))
@@ -99,13 +107,19 @@ class MovingObstacle:
             InputError: The function gives something else.
         """
         t = np.atleast_1d(np.asarray(t, float))
-        poses = np.asarray(self.motion(t), float)
+        answer = self.motion(t)
+        try:
+            poses = np.asarray(answer, float)
+        except (TypeError, ValueError):
+            raise InputError(
+                Problem("motion", f"of {self.name} gives no table of numbers; it must give (m, 3)")
+            ) from None
         if poses.shape != (t.size, 3):
             sentence = f"of {self.name} gives shape {poses.shape} for {t.size} times; it must give ({t.size}, 3)"
             raise InputError(Problem("motion", sentence))
-        if not np.isfinite(poses).all():
-            bad = t[~np.isfinite(poses).all(axis=1)][0]
-            raise InputError(Problem("motion", f"of {self.name} gives {self.motion(np.array([bad]))[0]} at {bad:g} s"))
+        if not (usable := _usable(poses)).all():
+            bad = int(np.flatnonzero(~usable)[0])
+            raise InputError(Problem("motion", f"of {self.name} gives {poses[bad]} at {t[bad]:g} s; give finite poses"))
         return poses
 
     def on(self, grid: TimeGrid, final_time: float) -> ObstacleMotion:
@@ -125,6 +139,11 @@ class MovingObstacle:
         first = (t < h)[:, None]
         rates = np.where(first, (4 * ahead - further) / (2 * h), (further - ahead) / (2 * h))
         return ObstacleMotion(self.polygon, here, rates, float(final_time), self.name)
+
+
+def _usable(table: Array) -> NDArray[np.bool_]:
+    """Of each row, whether it is made of numbers of a sensible size."""
+    return np.asarray((np.abs(table) <= LARGEST).all(axis=1))
 
 
 def _difference(there: Array, here: Array) -> Array:
