@@ -216,6 +216,10 @@ def test_a_table_of_poses_is_passed_through_and_stands_outside():
     assert poses[[0, 4], :2].tolist() == [[0, 0], [2, 3]]
     assert poses[2:5, :2].tolist() == [[1, 0], [2, 2], [2, 3]]
     assert np.abs(np.diff(table(np.linspace(0, 4, 401))[:, 2])).max() < 0.05
+    fine = np.diff(table(np.linspace(1, 4, 301)), axis=0)
+    assert (fine[:, :2] >= 0).all()  # swings nowhere beyond the poses
+    waiting = TimedPoses([0.0, 1.0, 1.5, 40.0], [(0, 0, 0), (1, 0, 0), (1.2, 0, 0), (1.2, 0, 0)])
+    assert waiting(np.linspace(1.5, 40, 99))[:, 0] == pytest.approx(1.2)
     h = 1e-6
     for knot in (1.0, 3.0):
         before, here, after = table(np.array([knot - h, knot, knot + h]))

@@ -183,10 +183,23 @@ def test_an_obstacle_that_comes_onto_the_goal_is_never_solved(member):
         assert solution.sentence == solution.report.status.sentence
 
 
+def test_falls_back_to_ipopt_and_says_so():
+    """A gate that closes: the guess is in it when it does, and whoever is to pass must have passed before."""
+    gate = TimedPoses([0, 18, 20], [(8, -18, np.pi / 2), (8, -2, np.pi / 2), (8, -1, np.pi / 2)])
+    given = solved(gate, SweptLine(), solver=Stagewise(time_limit=2.0))
+    solution = solved(gate, SweptLine())
+    assert solution.success, solution.sentence
+    assert solution.report.solver == ("stagewise" if given.success else "ipopt")
+    assert given.success or "stagewise came to nothing" in solution.report.note
+    assert distances(solution, gate, solution.trajectory.t, solution.trajectory.states).min() >= MARGIN - 1e-6
+    passed = solution.trajectory.t[np.argmax(solution.trajectory.states[:, 0] > 10.0)]
+    assert passed < 20.0
+
+
 def test_what_does_not_settle_says_so():
     solution = solve_moving(
         SCENE, CAR, GUESS, Settings(formulation=UnitNormalLine(), margin=MARGIN),
-        [MovingObstacle(BODY, leaving)], grid=GRID, max_solves=1,
+        [MovingObstacle(BODY, leaving)], grid=GRID, max_solves=1, solver=Stagewise(),
     )  # fmt: skip
     assert not solution.success
     assert "did not settle in 1 solves" in solution.sentence

@@ -152,9 +152,25 @@ def _difference(there: Array, here: Array) -> Array:
     return step
 
 
+def _monotone_rates(t: Array, poses: Array) -> Array:
+    h = np.diff(t)[:, None]
+    slopes = np.diff(poses, axis=0) / h
+    before, after, nearer, farther = slopes[:-1], slopes[1:], 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
+    alike = before * after > 0
+    mixed = nearer * np.where(alike, after, 1.0) + farther * np.where(alike, before, 1.0)
+    inner = np.where(alike, (nearer + farther) * before * after / mixed, 0.0)
+    return np.concatenate([slopes[:1], inner, slopes[-1:]])
+
+
 class TimedPoses:
-    """A motion from a table of poses: cubics through them, whose rates at the inner ones are the mean of those before
-    and after, weighted by nearness. Before the first time and after the last the obstacle stands.
+    """A motion from a table of poses: cubics through them that swing nowhere beyond them, so what stands in the table
+    stands. Before the first time and after the last the obstacle stands, too.
+
+    The rate of x, y or heading at a pose is the harmonic mean of those before and after, weighted by nearness, and 0
+    where the two differ in sign.
+
+    Reference: F. N. Fritsch, J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM
+    Journal on Scientific and Statistical Computing 5 (1984).
 
     >>> TimedPoses([0.0, 2.0], [(0, 0, 0), (4, 0, 0)])(np.array([1.0, 9.0]))[:, 0].tolist()
     [2.0, 4.0]
@@ -179,7 +195,7 @@ class TimedPoses:
             raise InputError(Problem("timed_poses.t", "must increase"))
         poses[:, 2] = np.unwrap(poses[:, 2])
         self.t, self.poses = t, poses
-        self._rates = np.gradient(poses, t, axis=0)
+        self._rates = _monotone_rates(t, poses)
 
     def __call__(self, t: Array) -> Array:
         """Poses at times t, (len(t), 3)."""

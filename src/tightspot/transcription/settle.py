@@ -4,7 +4,7 @@ solve again, until t_f settles."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from tightspot.errors import InputError, Problem
 from tightspot.scenarios.scenario import Scenario
 from tightspot.solvers.base import Solver, SolveReport, WarmStart
+from tightspot.solvers.ipopt import Ipopt
 from tightspot.solvers.stage_problem import StageProblem
 from tightspot.solvers.stagewise import StageReport, Stagewise
 from tightspot.trajectory import Trajectory
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.motions import MovingObstacle, ObstacleMotion
-from tightspot.transcription.stage_problem import stage_problem
+from tightspot.transcription.stage_problem import fits_stages, stage_problem
 from tightspot.transcription.transcribe import Settings, transcribe
 from tightspot.vehicles.base import VehicleModel
 
@@ -75,8 +76,8 @@ def solve_moving(
     A program takes the motions' tangents at a reference final time (:class:`ObstacleMotion`), exact where its own t_f
     comes out the same. So solve with t_ref, take t_f for the next t_ref and solve again, warm, until they agree. Where
     they do, tangents and motions have the same poses and the same derivatives with respect to t_f: the point satisfies
-    the first-order optimality conditions of the problem with the motions themselves. If a solve leaves t_f further from
-    its t_ref than half of what the one before did, the next step goes half the way only.
+    the first-order optimality conditions of the problem with the motions themselves. Where t_f swings to and
+    fro by more than half the last step, the next step goes half the way only.
 
     Separation holds where the formulation says, as for standing obstacles; :func:`tightspot.plan` and its judge do not
     know of obstacles that move, so nothing is certified here.
@@ -88,7 +89,8 @@ def solve_moving(
         settings: As for :func:`transcribe`; t_f free or fixed.
         moving: What moves.
         grid: Knots.
-        solver: The stagewise solver if ``None``; another one solves the program of :func:`transcribe`.
+        solver: ``None``: the stagewise solver where it knows model and formulation, and IPOPT where it does not, or
+            comes to nothing; the report's note tells of that.
         active: Pairs to include, (N, parts, obstacle parts), those that move last; all if ``None``.
         walls: Half-planes of W to include, (N, parts, edges of W); all if ``None``.
         tolerance: How far t_f may be from t_ref, s.
@@ -107,20 +109,33 @@ def solve_moving(
         problems.append(Problem("max_solves", f"{max_solves} is too few; give at least 1"))
     if problems:
         raise InputError(problems)
-    program = _Program(scenario, vehicle, guess, settings, grid, active, walls, solver or Stagewise())
-    final_time = float(np.clip(guess.duration, *settings.final_time_bounds))
+    first = solver or (Stagewise() if fits_stages(vehicle, settings.formulation) else Ipopt())
+    program = _Program(scenario, vehicle, guess, settings, grid, active, walls, first)
+    solution = _settled(program, moving, tolerance, max_solves)
+    if solution.success or solver is not None or not isinstance(first, Stagewise):
+        return solution
+    second = _settled(replace(program, solver=Ipopt()), moving, tolerance, max_solves)
+    if not second.success:
+        return solution
+    note = f"ipopt, since stagewise came to nothing: {solution.sentence}"
+    return replace(second, report=replace(second.report, note=note))
+
+
+def _settled(program: _Program, moving: Sequence[MovingObstacle], tolerance: float, max_solves: int) -> MovingSolution:
+    final_time = float(np.clip(program.guess.duration, *program.settings.final_time_bounds))
     times: list[float] = []
-    report, off = None, np.inf
+    report, off = None, 0.0
     while True:
-        motions = tuple(obstacle.on(grid, final_time) for obstacle in moving)
+        motions = tuple(obstacle.on(program.grid, final_time) for obstacle in moving)
         report, trajectory = program.solve(motions, report)
         times.append(final_time)
         step = trajectory.duration - final_time if trajectory else np.inf
         settled = abs(step) <= tolerance
         if settled or trajectory is None or len(times) >= max_solves:
             return MovingSolution(report, trajectory, motions, tuple(times), settled)
-        final_time += step if abs(step) <= off / 2 else step / 2
-        off = abs(step)
+        swings = step * off < 0 and abs(step) > abs(off) / 2
+        final_time += step / 2 if swings else step
+        off = step
 
 
 @dataclass(frozen=True, eq=False)
