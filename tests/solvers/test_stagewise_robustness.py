@@ -106,6 +106,7 @@ def test_bad_numbers(bad):
         ("goal", np.zeros(4)),
         ("pair_demands", np.zeros((3, 2))),
         ("parameters", np.zeros(1)),
+        ("penetrations", np.zeros(3)),
         ("input_low", np.ones(2)),
         ("wall_lines", np.zeros((2, 3))),
         ("model", "spaceship"),

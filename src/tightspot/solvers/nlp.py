@@ -135,7 +135,7 @@ class Nlp:
 
     def violation(self, g: Array) -> Array:
         """How far each row is outside its bounds, (m,), 0 inside."""
-        return np.maximum(0.0, np.maximum(self.lbg - g, g - self.ubg))
+        return _outside(g, self.lbg, self.ubg)
 
     def worst_row(self, g: Array) -> tuple[RowBlock | None, float]:
         """The block with the largest violation, and that violation."""
@@ -148,12 +148,18 @@ class Nlp:
     def worst(self, x: Array, g: Array) -> tuple[str, float]:
         """What the most violated row is about ("" without rows), and the largest violation of a row or bound."""
         block, violation = self.worst_row(g)
-        outside = np.nan_to_num(np.maximum(self.lbx - x, x - self.ubx), nan=np.inf)
+        outside = np.nan_to_num(_outside(x, self.lbx, self.ubx), nan=np.inf)
         return block.describe() if block else "", max(violation, float(outside.max(initial=0.0)))
 
     def block_of(self, row: int) -> RowBlock | None:
         """The block that holds a row of g."""
         return next((block for block in self.blocks if block.rows.start <= row < block.rows.stop), None)
+
+
+def _outside(values: Array, low: Array, high: Array) -> Array:
+    """How far each value is outside its bounds; infinite ones may give NaN."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(np.maximum(0.0, np.maximum(low - values, values - high)))
 
 
 def concatenate(parts: Sequence[Array]) -> Array:

@@ -534,6 +534,9 @@ def core_solver(problem: StageProblem) -> Any:
     """
     if problem.model not in _MODELS:
         raise InputError(Problem("model", f"{problem.model!r} is not compiled in; there are {', '.join(_MODELS)}"))
+    if problem.penetrations.shape != (len(problem.pairs),):
+        given = f"penetrations: has shape {problem.penetrations.shape}, but there are {len(problem.pairs)} pairs"
+        raise InputError(Problem("problem", given))
     try:
         return getattr(_core(), _MODELS[problem.model])(problem)
     except ValueError as error:
