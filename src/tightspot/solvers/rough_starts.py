@@ -60,9 +60,13 @@ def without_pairs(problem: StageProblem) -> StageProblem:
 
 def gentle(problem: StageProblem) -> StageProblem:
     """Time has at most a hundredth of the weight that all inputs have at their bounds."""
+    return problem.replaced(time_weight=min(problem.time_weight, GENTLE * effort(problem)))
+
+
+def effort(problem: StageProblem) -> float:
+    """``|u|^2_P`` of all inputs at their bounds."""
     largest = np.maximum(np.abs(problem.input_low), np.abs(problem.input_high))
-    effort = float(problem.input_weights @ np.where(largest < LARGEST, largest, 1.0) ** 2)
-    return problem.replaced(time_weight=min(problem.time_weight, GENTLE * effort))
+    return float(problem.input_weights @ np.where(largest < LARGEST, largest, 1.0) ** 2)
 
 
 def in_given_time(problem: StageProblem) -> StageProblem:

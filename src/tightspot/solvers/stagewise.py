@@ -23,7 +23,6 @@ from tightspot.solvers.base import (
     limit_problems,
 )
 from tightspot.solvers.nlp import Nlp
-from tightspot.solvers.rough_starts import can_start_again, ways
 from tightspot.solvers.stage_order import CorePoint, order_of
 from tightspot.solvers.stage_problem import StageProblem
 
@@ -43,8 +42,6 @@ LOG_COLUMNS = (
     "primal_step", "dual_step", "trials",
 )  # fmt: skip
 """What the columns of a report's log mean."""
-MOST_ITERATIONS = 150
-"""Of each solve from another start than the given one."""
 _TRY_AGAIN = (
     SolveStatus.INFEASIBLE,
     SolveStatus.NUMERICAL,
@@ -117,6 +114,8 @@ class StageReport(SolveReport):
         log: One line an iteration of the solve that is reported, columns :data:`LOG_COLUMNS`.
         attempts: The starts that were tried; the report is that of the last one if it succeeded, else of the first.
             ``iterations`` and ``timings`` are those of all together.
+        least: Of problems that were not solved: the shallowest solution found with soft obstacles, whose
+            ``penetrations`` tell what clearance is lacking where; ``None`` if there was none.
         core: What the compiled solver returned.
     """
 
@@ -130,6 +129,7 @@ class StageReport(SolveReport):
     penetrations: Array | None = None
     log: Array | None = None
     attempts: tuple[Attempt, ...] = ()
+    least: StageReport | None = field(default=None, repr=False)
     core: CorePoint | None = field(default=None, repr=False)
 
     if not TYPE_CHECKING:
@@ -282,32 +282,13 @@ class Stagewise(Solver):
     def _from_other_starts(
         self, problem: StageProblem, failed: StageReport, callback: IterationCallback | None
     ) -> StageReport:
-        """The first success from the ways to begin, or the failed report, with what was tried."""
-        report, began = failed, time.perf_counter()
-        for way in ways(problem) if can_start_again(problem) else ():
-            seconds = self.time_limit - failed.timings["solve"] - (time.perf_counter() - began)
-            left = self.max_iterations - report.iterations
-            if seconds <= 0 or left <= 0:
-                break
-            solver = replace(self, time_limit=seconds, max_iterations=min(left, MOST_ITERATIONS))
-            drive = solver._once(way.problem, None, callback)
-            found, iterations = drive, drive.iterations
-            if drive.status.success and drive.states is not None and drive.inputs is not None:
-                again = with_states(problem, drive.states, drive.inputs, drive.final_time)
-                solver = replace(solver, max_iterations=min(max(left - iterations, 0), MOST_ITERATIONS))
-                found = solver._once(again, None, callback, original=problem)
-                iterations += found.iterations
-            report = replace(
-                found if found.status.success else report,
-                iterations=report.iterations + iterations,
-                attempts=(*report.attempts, Attempt(way.name, found.status, iterations)),
-                timings={"build": report.timings["build"], "solve": time.perf_counter() - began},
-            )
-            if found.status is SolveStatus.STOPPED:
-                return replace(report, status=SolveStatus.STOPPED)
-            if found.status.success:
-                return replace(report, note=f"Not solved from the given start, but from another one: {way.name}.")
-        return report
+        from tightspot.solvers.other_starts import from_other_starts
+
+        def once(start: StageProblem, original: StageProblem | None, iterations: int, seconds: float) -> StageReport:
+            limited = replace(self, time_limit=seconds, max_iterations=iterations)
+            return limited._once(start, None, callback, original=original)
+
+        return from_other_starts(problem, failed, once, self.max_iterations, self.time_limit)
 
     def _once(
         self,
