@@ -16,6 +16,8 @@ from tightspot.formulations import (
     SharedVertexExclusion,
     SignedDistanceDual,
     SoftSignedDistance,
+    SoftSweptUnitNormalLine,
+    SoftUnitNormalLine,
     SweptLine,
     SweptUnitNormalLine,
     TriangleArea,
@@ -26,6 +28,7 @@ from tightspot.formulations import (
 from tightspot.geometry import ConvexPolygon
 from tightspot.solvers import Ipopt, Nlp
 
+SOFT = [SoftSignedDistance(), SoftUnitNormalLine(), SoftSweptUnitNormalLine()]
 COPIES = [member(copies=4) for member in (FarkasDual, NormalisedFarkasDual, SignedDistanceDual)]
 MEMBERS = [*(member() for member in FORMULATIONS.values()), *COPIES]
 
@@ -64,13 +67,13 @@ def test_an_unknown_name_lists_the_members():
 NOT_EXACT = (VertexExclusion, TriangleArea, DiscCover)
 
 
-@pytest.mark.parametrize("member", [*MEMBERS, SoftSignedDistance()], ids=label)
+@pytest.mark.parametrize("member", [*MEMBERS, *SOFT], ids=label)
 def test_members_state_their_facts(member):
     assert member.holds in ("knots", "interval")
-    assert member.is_exact is (type(member) not in (*NOT_EXACT, SoftSignedDistance))
+    assert member.is_exact is (type(member) not in (*NOT_EXACT, *map(type, SOFT)))
     assert not member.expresses_margin or member.is_exact
     assert member.equation
-    assert (FORMULATIONS.get(member.name) is type(member)) is (not isinstance(member, SoftSignedDistance))
+    assert (FORMULATIONS.get(member.name) is type(member)) is (member not in SOFT)
     if getattr(member, "copies", 1) == 1:
         assert member == type(member)(), "members are values"
 
@@ -119,6 +122,8 @@ SIZES = [
     (MinEdgeDistance(), lambda B, O: (0, 1)),
     (TriangleArea(), lambda B, O: (0, B + O)),
     (SoftSignedDistance(), lambda B, O: (B + O + 1, 4)),
+    (SoftUnitNormalLine(), lambda B, O: (3, B + O + 1)),
+    (SoftSweptUnitNormalLine(), lambda B, O: (3, 3 * B + O + 1)),
 ]
 
 
@@ -134,7 +139,7 @@ def test_variables_and_rows_are_as_many_as_the_pages_say(evaluator, member, size
     assert (built.lbg <= built.ubg).all()
 
 
-@pytest.mark.parametrize("member", [*MEMBERS, SoftSignedDistance()], ids=label)
+@pytest.mark.parametrize("member", [*MEMBERS, *SOFT], ids=label)
 def test_derivatives_match_central_differences(evaluator, member):
     rng = np.random.default_rng(1)
     built = evaluator(member, CAR, 3, 1 if member.holds == "knots" else 3)

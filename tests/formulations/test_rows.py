@@ -15,6 +15,7 @@ from tightspot.formulations import (
     SharedVertexExclusion,
     SignedDistanceDual,
     SoftSignedDistance,
+    SoftUnitNormalLine,
     SweptLine,
     SweptUnitNormalLine,
     TriangleArea,
@@ -196,10 +197,10 @@ def test_discs_cover_the_body(body, cell, weights):
     assert (distances <= discs.radii + 1e-6).any(axis=1).all()
 
 
+@pytest.mark.parametrize("member", [SoftSignedDistance(), SoftUnitNormalLine()])
 @given(body=polygons(), obstacle=polygons(spread=3), pose=poses)
-def test_the_slack_of_the_soft_form_starts_at_the_penetration_depth(evaluator, body, obstacle, pose):
+def test_the_slack_of_the_soft_form_starts_at_the_penetration_depth(evaluator, member, body, obstacle, pose):
     pose[:2] /= 2
-    member = SoftSignedDistance()
     rows = build(evaluator, member, body, obstacle)
     start = rows.start(obstacle, pose[None])
     depth = max(0.0, -float(clearance(transform(body.vertices, pose), obstacle.vertices)))

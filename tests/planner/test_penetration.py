@@ -1,13 +1,17 @@
 """Minimum penetration: where and how deep, when there is no way round."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 
 from tightspot.errors import InputError, SceneError
 from tightspot.geometry import ConvexPolygon, clearance, transform
 from tightspot.planner import minimum_penetration
+from tightspot.planner.shallowest import soft_solvers
 from tightspot.scenarios import Obstacle, Scenario
-from tightspot.vehicles import vehicle
+from tightspot.solvers import SolveStatus, Stagewise
+from tightspot.vehicles import SingleTrack, vehicle
 
 CAR = vehicle("paper")
 WIDTH = float(np.ptp(CAR.parts[0].polygon.vertices[:, 1]))
@@ -52,6 +56,34 @@ def test_a_gap_too_narrow_costs_what_is_missing():
     result = minimum_penetration(scenario, steps=40)
     sides = {contact.obstacle.split("/")[0]: contact.depth for contact in result.contacts}
     assert sum(sides.values()) == pytest.approx(0.2, abs=0.02)
+
+
+@pytest.mark.parametrize("boxes", [[("wall", 6.5, 6.9, -3, 3)], [("left", 6, 8, 0.9, 3), ("right", 6, 8, -3, -0.9)]])
+def test_the_stagewise_solver_finds_what_ipopt_finds_or_better(boxes):
+    """The same sum: 100 times the time integral of what the pairs lack, and J."""
+    scenario = corridor(*(box(*each) for each in boxes))
+    ours = minimum_penetration(scenario, guess_="linear", steps=30)
+    theirs = minimum_penetration(scenario, guess_="linear", steps=30, solver="ipopt")
+    assert ours.solve.solver == "stagewise"
+    assert theirs.solve.solver == "ipopt"
+    assert ours.solve.objective <= 1.05 * theirs.solve.objective
+    assert ours.depth <= theirs.depth + 0.02
+    assert {contact.obstacle for contact in ours.contacts} == {contact.obstacle for contact in theirs.contacts}
+
+
+def test_other_models_and_failures_go_to_ipopt(monkeypatch):
+    assert [solver.name for solver in soft_solvers(CAR)] == ["stagewise", "ipopt"]
+    own = type("Own", (SingleTrack,), {})(**{field.name: getattr(CAR, field.name) for field in fields(CAR)})
+    assert [solver.name for solver in soft_solvers(own)] == ["ipopt"]
+    solve = Stagewise.solve_stages
+
+    def failing(self, problem, **options):
+        return replace(solve(self, problem, **options), status=SolveStatus.NUMERICAL, violation=1.0)
+
+    monkeypatch.setattr(Stagewise, "solve_stages", failing)
+    result = minimum_penetration(corridor(box("wall", 6.5, 6.9, -3, 3)), guess_="linear", steps=20)
+    assert result.solve.solver == "ipopt"
+    assert result.depth > 0.4
 
 
 def test_an_open_way_needs_no_collision():
