@@ -108,9 +108,14 @@ class Course:
         }
 
 
+def chosen_member(request: Request) -> Member:
+    """What to try first: the guess that was asked for."""
+    return Member(request.guess.name, request.guess)
+
+
 def members_of(request: Request) -> list[Member]:
     """What to try, the most promising first. A guess that was asked for is kept to; only its mesh varies."""
-    chosen = Member(request.guess.name, request.guess)
+    chosen = chosen_member(request)
     finer = Member(f"{request.guess.name}, more intervals", request.guess, finer=1.6)
     if request.guess != HybridAStar():
         return [chosen, finer]
@@ -170,17 +175,18 @@ def run_portfolio(request: Request, effort: Effort, tell: ProgressCallback, dead
     all cores until one is certified; then a searched path as it is, if the judge certifies one; then the first once
     more with the fall-back solvers.
     """
-    members = members_of(request)
+    chosen = chosen_member(request)
     if effort == "fast":
-        return [run_course(request, members[0], tell, deadline)]
+        return [run_course(request, chosen, tell, deadline)]
     quick = without_fallbacks(request)
-    first = run_course(quick, members[0], tell, deadline)
+    first = run_course(quick, chosen, tell, deadline)
     if first.certified or is_hopeless(request, first):
         return [first]
     until = deadline
     if driven_as_found(request, first.found):
         until = min(deadline, time.perf_counter() + SECONDS_MORE)
-    tried = [first, *on_all_cores(quick, [*_again(first, members[1]), *members[2:]], tell, until, stop_at_first=True)]
+    _, finer, *others = members_of(request)
+    tried = [first, *on_all_cores(quick, [*_again(first, finer), *others], tell, until, stop_at_first=True)]
     if request.guess == HybridAStar() and all(map(_ran_out, tried)):
         tried.append(run_course(quick, _patient(request, deadline), tell, deadline))
     return conclude(request, tried, tell, deadline)

@@ -268,7 +268,7 @@ def _judged(
         progress(Progress("verify", "replaying the inputs and covering all times", number))
         motion = replay(request.vehicle, trajectory)
         trajectory = replace(trajectory, states=_within_bounds(motion.knots, request))
-        certificate = verify(request.scenario, request.vehicle, trajectory, margin=request.margin)
+        certificate = verify(request.scenario, request.vehicle, trajectory, margin=request.margin, known=motion)
     timings = timings | {"judge": time.perf_counter() - started}
     return Round(step, program, report, abandoned, trajectory, motion, certificate, timings)
 

@@ -199,7 +199,7 @@ class Certificate:
     checks: tuple[Check, ...]
     obstacles: Sequence[ObstaclePart]
     pairs: Sequence[PairProof]
-    workspace: tuple[WorkspaceProof, ...]
+    workspace: Sequence[WorkspaceProof]
     integration: Integration
     offset: tuple[float, float]
     version: str

@@ -74,12 +74,13 @@ def _dynamics(replay: Replay, limits: Limits) -> Iterator[Check]:
 def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
     """At the knots as stored, and at every node of the replay: between knots, too."""
     vehicle, trajectory = replay.vehicle, replay.trajectory
-    states = np.concatenate([trajectory.states, replay.node_states])
-    for kind, values, names, units, bounds in (
+    states = (trajectory.states, replay.node_states)
+    for kind, records, names, units, (low, high) in (
         ("state", states, vehicle.state_names, vehicle.state_units, vehicle.state_bounds),
-        ("input", trajectory.inputs, vehicle.input_names, vehicle.input_units, vehicle.input_bounds),
+        ("input", (trajectory.inputs,), vehicle.input_names, vehicle.input_units, vehicle.input_bounds),
     ):
-        excess = np.maximum(bounds[0] - values, values - bounds[1]).max(axis=0)
+        beyond = [np.maximum(low - values.min(axis=0), values.max(axis=0) - high) for values in records]
+        excess = np.max(beyond, axis=0)
         worst = int(excess.argmax())
         what = f"{kind} {names[worst]} comes nearest to its bound or beyond: excess"
         yield upper(f"{kind} bounds", max(0.0, float(excess[worst])), limits.bounds, what, units[worst])

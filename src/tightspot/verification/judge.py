@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,12 +11,11 @@ from tightspot.errors import InputError, Problem
 from tightspot.scenarios import Scenario
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import VehicleModel
-from tightspot.verification.barriers import ObstaclePairs, Pairs, WorkspacePairs
+from tightspot.verification.barriers import ObstaclePairs, WorkspacePairs
 from tightspot.verification.certificate import (
     Certificate,
     Check,
     Integration,
-    WorkspaceProof,
     digest,
     package_version,
     rounded_down,
@@ -25,9 +23,9 @@ from tightspot.verification.certificate import (
 from tightspot.verification.checks import Limits, motion_checks
 from tightspot.verification.cover import Cover, cover
 from tightspot.verification.file_exact import file_exact
-from tightspot.verification.motion import Motion, ReplayedMotion
-from tightspot.verification.proofs import ObstacleParts, PairProofs
-from tightspot.verification.replay import METHOD, replay
+from tightspot.verification.motion import ReplayedMotion
+from tightspot.verification.proofs import ObstacleParts, PairProofs, WorkspaceProofs
+from tightspot.verification.replay import METHOD, Replay, replay
 from tightspot.verification.witnesses import WORKSPACE_SLACK, obstacle_witnesses, workspace_witnesses
 
 Array = NDArray[np.float64]
@@ -60,6 +58,7 @@ def verify(
     *,
     margin: float = 0.0,
     settings: JudgeSettings | None = None,
+    known: Replay | None = None,
 ) -> Certificate:
     """Judge the continuous trajectory: the inputs integrated from the first state, at all times of the
     horizon.
@@ -76,6 +75,7 @@ def verify(
         trajectory: The motion to judge.
         margin: Demanded clearance, m.
         settings: See :class:`JudgeSettings`.
+        known: A :func:`~tightspot.verification.replay.replay` that was made before; see there.
 
     Returns:
         A certificate with ``certified`` true and the proof, or with the failed checks and the witnesses.
@@ -88,7 +88,7 @@ def verify(
     if not (np.isfinite(margin) and margin >= 0):
         raise InputError(Problem("margin", f"{margin} m must be a finite length, 0 or more"))
     scenario, trajectory = file_exact(scenario, trajectory)
-    played = replay(vehicle, trajectory, tolerance=settings.tolerance, in_core=settings.in_core)
+    played = replay(vehicle, trajectory, tolerance=settings.tolerance, in_core=settings.in_core, known=known)
     names, polygons = scenario.part_names, scenario.obstacle_polygons
     corners = np.concatenate([scenario.workspace.vertices, polygons.vertices])
     motion = ReplayedMotion.of(played, extent=float(np.abs(corners).max()))
@@ -112,7 +112,7 @@ def verify(
         checks=tuple(checks),
         obstacles=ObstacleParts(scenario),
         pairs=PairProofs(motion, pairs, clear, names),
-        workspace=tuple(_workspace_proofs(motion, walls, inside)),
+        workspace=WorkspaceProofs(motion, walls, inside),
         integration=Integration(METHOD, played.nodes.size - 1, played.position_error, played.heading_error),
         offset=(float(scenario.offset[0]), float(scenario.offset[1])),
         version=package_version(),
@@ -152,12 +152,3 @@ def _workspace_check(inside: Cover) -> Check:
     else:
         sentence = f"the body leaves the workspace by {-inside.seen.min():.4g} m"
     return Check("workspace", passed, inside.clearance, -WORKSPACE_SLACK, sentence)
-
-
-def _workspace_proofs(motion: Motion, walls: Pairs, inside: Cover) -> Iterator[WorkspaceProof]:
-    """The proofs of the pairs that have one."""
-    parts, edges, first = walls.part.tolist(), walls.barrier.tolist(), inside.first.tolist()
-    for pair in np.flatnonzero(inside.holds).tolist():
-        rows = slice(first[pair], first[pair + 1])
-        cuts = inside.cuts[rows.start + pair : rows.stop + pair + 1]
-        yield WorkspaceProof(motion.names[parts[pair]], edges[pair], cuts, inside.proved[rows])

@@ -175,4 +175,6 @@ def lowest(normal: Array, vertices: Array) -> Array:
 def stack_padded(polygons: list[Array]) -> Array:
     """Vertex lists (n_i, 2) as one array (m, max n_i, 2); short ones repeat their first vertex."""
     longest = max(len(vertices) for vertices in polygons)
+    if all(len(vertices) == longest for vertices in polygons):
+        return np.array(polygons)
     return np.stack([np.concatenate([v, np.repeat(v[:1], longest - len(v), axis=0)]) for v in polygons])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TypeVar, overload
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from tightspot.scenarios import Scenario
 from tightspot.verification.barriers import Pairs
-from tightspot.verification.certificate import ObstaclePart, PairProof
+from tightspot.verification.certificate import ObstaclePart, PairProof, WorkspaceProof
 from tightspot.verification.cover import Cover
 from tightspot.verification.motion import Motion
 
@@ -47,8 +48,34 @@ class ObstacleParts(_Listed[ObstaclePart]):
         return ObstaclePart(self._names[index], self._polygons[index].vertices)
 
 
-class PairProofs(_Listed[PairProof]):
-    """The proofs of those pairs that hold. The line lies midway between what is proved of both sides.
+class _Proofs(_Listed[T]):
+    """Of those pairs that hold.
+
+    Args:
+        motion: Of the body.
+        pairs: Body parts with what they must stay clear of.
+        cover: What was proved of them.
+    """
+
+    def __init__(self, motion: Motion, pairs: Pairs, cover: Cover) -> None:
+        self._parts, self._pad = motion.names, motion.pad
+        self._part, self._barrier = pairs.part, pairs.barrier
+        self._cover = cover
+        self._pairs = np.flatnonzero(cover.holds)
+
+    def __len__(self) -> int:
+        return self._pairs.size
+
+    def _found(self, index: int) -> tuple[str, int, Array, slice]:
+        """Name of the body part, index of the barrier, cuts of the horizon, and rows of the cover."""
+        pair, first = int(self._pairs[index]), self._cover.first
+        rows = slice(int(first[pair]), int(first[pair + 1]))
+        cuts = self._cover.cuts[rows.start + pair : rows.stop + pair + 1]
+        return self._parts[self._part[pair]], int(self._barrier[pair]), cuts, rows
+
+
+class PairProofs(_Proofs[PairProof]):
+    """The proofs that the body stays clear of obstacles. The line lies midway between what is proved of both sides.
 
     Args:
         motion: Of the body.
@@ -58,28 +85,25 @@ class PairProofs(_Listed[PairProof]):
     """
 
     def __init__(self, motion: Motion, pairs: Pairs, clear: Cover, names: Sequence[str]) -> None:
-        self._parts, self._obstacles = motion.names, names
-        self._pairs = np.flatnonzero(clear.holds)
-        self._part, self._obstacle = pairs.part[self._pairs], pairs.barrier[self._pairs]
-        self._first = clear.first
-        self._cuts = clear.cuts
-        self._nx, self._ny = np.ascontiguousarray(clear.normal.T)
-        self._c = clear.support + 0.5 * (clear.proved + motion.pad[pairs.part[clear.pair]])
-        self._clearance = clear.proved
+        super().__init__(motion, pairs, clear)
+        self._names = names
 
-    def __len__(self) -> int:
-        return self._pairs.size
+    @cached_property
+    def _lines(self) -> tuple[Array, Array, Array]:
+        """x and y of the normals and offsets, of all rows of the cover."""
+        clear = self._cover
+        nx, ny = np.ascontiguousarray(clear.normal.T)
+        return nx, ny, clear.support + 0.5 * (clear.proved + self._pad[self._part[clear.pair]])
 
     def _item(self, index: int) -> PairProof:
-        pair = int(self._pairs[index])
-        first, last = int(self._first[pair]), int(self._first[pair + 1])
-        rows = slice(first, last)
-        return PairProof(
-            self._parts[self._part[index]],
-            self._obstacles[self._obstacle[index]],
-            self._cuts[first + pair : last + pair + 1],
-            self._nx[rows],
-            self._ny[rows],
-            self._c[rows],
-            self._clearance[rows],
-        )
+        part, obstacle, cuts, rows = self._found(index)
+        nx, ny, c = self._lines
+        return PairProof(part, self._names[obstacle], cuts, nx[rows], ny[rows], c[rows], self._cover.proved[rows])
+
+
+class WorkspaceProofs(_Proofs[WorkspaceProof]):
+    """The proofs that the body stays in the workspace, edge by edge."""
+
+    def _item(self, index: int) -> WorkspaceProof:
+        part, edge, cuts, rows = self._found(index)
+        return WorkspaceProof(part, edge, cuts, self._cover.proved[rows])

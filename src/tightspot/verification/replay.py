@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +49,7 @@ class Replay:
             a proved bound.
         heading_error: The same for theta, rad.
         core: The same motion in the compiled core, if that knows the model. It stays in this process.
+        accuracy: What was asked for: tolerance, m and rad, and longest first step, s.
     """
 
     vehicle: VehicleModel
@@ -59,6 +60,7 @@ class Replay:
     position_error: float
     heading_error: float
     core: Motion | None = field(default=None, repr=False)
+    accuracy: tuple[float, float] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"core": None}
@@ -66,9 +68,9 @@ class Replay:
     @cached_property
     def first_nodes(self) -> NDArray[np.intp]:
         """Index of the node at each knot, shape (N+1,)."""
-        return np.concatenate([[0], np.cumsum(self.substeps)]).astype(np.intp)
+        return np.concatenate([np.zeros(1, np.intp), np.cumsum(self.substeps, dtype=np.intp)])
 
-    @property
+    @cached_property
     def knots(self) -> Array:
         """Replayed states at the trajectory's knots, shape (N+1, n_x)."""
         return self.node_states[self.first_nodes]
@@ -111,8 +113,9 @@ class Replay:
         Headings are compared as angles, so a whole turn between them does not count.
         """
         stored, own = self.trajectory.poses, self.knots[:, :3]
-        position = np.hypot(*(stored - own)[:, :2].T).max()
-        turn = stored[:, 2] - own[:, 2]
+        apart = stored - own
+        turn = apart[:, 2]
+        position = np.hypot(apart[:, 0], apart[:, 1]).max()
         return float(position), float(np.abs(turn - 2 * np.pi * np.round(turn / (2 * np.pi))).max())
 
     @cached_property
@@ -127,6 +130,7 @@ def replay(
     tolerance: float = 1e-7,
     first_step: float = 0.25,
     in_core: bool = True,
+    known: Replay | None = None,
 ) -> Replay:
     """Integrate the trajectory's inputs from its first state.
 
@@ -141,14 +145,18 @@ def replay(
         tolerance: m and rad.
         first_step: The longest step of the first, coarser solution, s.
         in_core: By the compiled judge, if it knows the model; what is judged from it then is judged there, too.
+        known: An earlier replay. If it was of the same motion, which is looked at here, nothing is integrated again.
 
     Raises:
         InputError: The names of states and inputs are not the vehicle's, a state exceeds 1e9, or the horizon
             is too long to be integrated to this tolerance.
     """
     _check_names(vehicle, trajectory)
-    made = _compiled if in_core and compiled.is_compiled(vehicle) else _replayed
-    found = made(vehicle, trajectory, tolerance, first_step)
+    by_core = in_core and compiled.is_compiled(vehicle)
+    made_to = by_core, (tolerance, first_step)
+    if known and (known.core is not None, known.accuracy) == made_to and _is_of(known, vehicle, trajectory):
+        return replace(known, trajectory=trajectory)
+    found = (_compiled if by_core else _replayed)(vehicle, trajectory, tolerance, first_step)
     if found is None:
         raise InputError(
             Problem(
@@ -160,6 +168,19 @@ def replay(
     return found
 
 
+def _is_of(known: Replay, vehicle: VehicleModel, trajectory: Trajectory) -> bool:
+    """Whether it is of the same vehicle, and of a trajectory that is equal in all that is integrated."""
+    other = known.trajectory
+    return known.vehicle is vehicle and all(
+        np.array_equal(one, two)
+        for one, two in (
+            (trajectory.t, other.t),
+            (trajectory.inputs, other.inputs),
+            (trajectory.states[0], other.states[0]),
+        )
+    )
+
+
 def _compiled(vehicle: VehicleModel, trajectory: Trajectory, tolerance: float, first_step: float) -> Replay | None:
     """The replay in the compiled core."""
     accuracy = {"max_steps": MAX_STEPS, "largest": LARGEST, "reserve": RESERVE, "rounding": _ROUNDING}
@@ -169,12 +190,12 @@ def _compiled(vehicle: VehicleModel, trajectory: Trajectory, tolerance: float, f
         return None
     substeps = core.substeps.astype(np.intp)
     errors = core.position_error, core.heading_error
-    return Replay(vehicle, trajectory, substeps, core.nodes, core.node_states, *errors, core)
+    return Replay(vehicle, trajectory, substeps, core.nodes, core.node_states, *errors, core, (tolerance, first_step))
 
 
 def _replayed(vehicle: VehicleModel, trajectory: Trajectory, tolerance: float, first_step: float) -> Replay | None:
     """The same in NumPy; ``None`` if the motion leaves the finite numbers or needs too many steps."""
-    durations = np.diff(trajectory.t)
+    durations, made_to = np.diff(trajectory.t), (tolerance, first_step)
     steps = np.maximum(1, np.ceil(durations / first_step))
     while 3 * steps.sum() < MAX_STEPS:
         count = steps.astype(np.intp)
@@ -188,7 +209,7 @@ def _replayed(vehicle: VehicleModel, trajectory: Trajectory, tolerance: float, f
         if excess <= 1:
             reserve = RESERVE + _ROUNDING * fine.shape[0] * np.abs(fine[:, :3]).max(axis=0)
             errors = position + float(reserve[:2].max()), heading + float(reserve[2])
-            return Replay(vehicle, trajectory, 2 * count, _nodes(trajectory.t, 2 * count), fine, *errors)
+            return Replay(vehicle, trajectory, 2 * count, _nodes(trajectory.t, 2 * count), fine, *errors, None, made_to)
         steps = np.ceil(steps * min(1.1 * excess**0.25, 8.0))
     return None
 
