@@ -192,8 +192,8 @@ Polygons polygons(const Array& vertices, const Integers& first, const char* what
 }
 
 // (phi, offset, x, y, gap) of every pair: see start_lines.hpp. `frames` holds the poses (x, y, theta) of each moving
-// obstacle's frame at all samples.
-Table start_lines(const Array& states, const Integers& pieces, bool at_knots, const Array& part_vertices,
+// obstacle's frame at all samples; of the intervals `at_end` only the last sample counts.
+Table start_lines(const Array& states, const Integers& pieces, const Integers& at_end, const Array& part_vertices,
                   const Integers& part_first, const Array& obstacle_vertices, const Integers& obstacle_first,
                   const Integers& pairs, const Integers& moving, const Array& frames) {
     const Polygons parts = polygons(part_vertices, part_first, "part_vertices");
@@ -212,8 +212,14 @@ Table start_lines(const Array& states, const Integers& pieces, bool at_knots, co
         need(obstacle >= 0 && obstacle < obstacles.size(), "motion_obstacles");
         frame_of[static_cast<std::size_t>(obstacle)] = static_cast<int>(i);
     }
+    std::vector<char> whole(each.size(), 1);
+    for (std::size_t i = 0; i < at_end.size(); ++i) {
+        const std::int64_t k = at_end.data()[i];
+        need(k >= 0 && k < steps, "at_end");
+        whole[static_cast<std::size_t>(k)] = 0;
+    }
     need(wanted.size() % 3 == 0, "pairs");
-    const GuessedMotion motion{states.data(), static_cast<int>(states.shape(1)), each, at_knots};
+    const GuessedMotion motion{states.data(), static_cast<int>(states.shape(1)), each, whole};
     StartLines lines(parts, obstacles);
     Vector result;
     result.reserve(wanted.size() / 3 * 5);
@@ -483,9 +489,10 @@ void TIGHTSPOT_BIND_STAGEWISE(nb::module_& m) {
         .def_rw("time_limit", &Options::time_limit)
         .def_rw("initial_barrier", &Options::initial_barrier)
         .def_rw("bound_push", &Options::bound_push)
+        .def_rw("slack_push", &Options::slack_push)
         .def_rw("second_order_correction", &Options::second_order_correction)
         .def_rw("warm", &Options::warm);
     bind_model<SingleTrack>(m, "StagewiseSingleTrack");
-    m.def("stagewise_start_lines", &start_lines, "states"_a, "pieces"_a, "at_knots"_a, "part_vertices"_a, "part_first"_a,
+    m.def("stagewise_start_lines", &start_lines, "states"_a, "pieces"_a, "at_end"_a, "part_vertices"_a, "part_first"_a,
           "obstacle_vertices"_a, "obstacle_first"_a, "pairs"_a, "motion_obstacles"_a, "motion_poses"_a);
 }

@@ -208,14 +208,15 @@ TEST(stagewise_rows_come_back_in_the_problems_order) {
 TEST(stagewise_starts_from_the_lines_that_separate_best) {
     const Vector states = {0, 0, 0, 0, 2, 0, pi / 2, 0};  // two knots, four numbers each
     const Indices pieces = {2};
+    const std::vector<char> whole = {1}, at_end = {0};
     StartLines lines(boxes({{-1, 1, -1, 1}}), boxes({{-9, 9, 3, 4}, {5, 7, -20, 20}}));
-    const StartLine above = lines.of({states.data(), 4, pieces, true}, 0, 0, 0);
+    const StartLine above = lines.of({states.data(), 4, pieces, at_end}, 0, 0, 0);
     CHECK_CLOSE(above.phi, -pi / 2, 1e-12);
     CHECK_CLOSE(above.offset, -2, 1e-12);
     CHECK_CLOSE(above.x, 2, 1e-12);
     CHECK_CLOSE(above.y, 2, 1e-12);
     // At 45 degrees, half way, the body reaches furthest to the right at the end all the same: 2 + 1.
-    const StartLine right = lines.of({states.data(), 4, pieces, false}, 0, 0, 1);
+    const StartLine right = lines.of({states.data(), 4, pieces, whole}, 0, 0, 1);
     CHECK_CLOSE(std::abs(right.phi), pi, 1e-12);
     CHECK_CLOSE(right.offset, -4, 1e-12);
     CHECK_CLOSE(right.x, 4, 1e-12);
@@ -224,8 +225,9 @@ TEST(stagewise_starts_from_the_lines_that_separate_best) {
 TEST(stagewise_starts_lines_from_where_the_obstacle_is) {
     const Vector states = {0, 0, 0, 0, 2, 0, 0, 0}, frames = {0, 0, 0, 2, -9, pi / 2};
     const Indices pieces = {1};
+    const std::vector<char> at_end = {0};
     StartLines lines(boxes({{-1, 1, -1, 1}}), boxes({{-1, 1, -1, 1}}));
-    const StartLine below = lines.of({states.data(), 4, pieces, true}, 0, 0, 0, frames.data());
+    const StartLine below = lines.of({states.data(), 4, pieces, at_end}, 0, 0, 0, frames.data());
     CHECK_CLOSE(below.phi, 0, 1e-12);  // above the obstacle is ahead in its frame
     CHECK_CLOSE(below.offset, (8 + 1) / 2.0, 1e-12);
     CHECK_CLOSE(below.x, 4.5, 1e-12);

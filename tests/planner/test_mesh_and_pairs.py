@@ -14,12 +14,16 @@ from tightspot.planner.mesh import (
     FEWEST,
     MOST,
     MOST_POSES,
+    ROOMY,
+    SLIGHT,
+    STILL,
     covers_of,
     gear_changes,
     path_length,
     poses_for,
     poses_on,
     steps_for,
+    travels_of,
 )
 from tightspot.planner.pairs import Room, by_interval
 from tightspot.scenarios import builtin
@@ -86,9 +90,28 @@ def test_covers_bound_what_the_motion_needs_between_the_knots() -> None:
 
 def test_interior_poses_stand_where_the_cover_would_cost_room() -> None:
     covers = np.array([0.04, 0.19, 0.19, 3.0, 3.0])
-    spare = np.array([0.0, 0.0, 0.19 + EASY + 0.01, 0.0, 9.0])
-    assert poses_on(SweptLine(), covers, spare) == (1, 2, 1, MOST_POSES, 1)
-    assert poses_on(SeparatingLine(), covers, spare) == (1,) * 5
+    spare = np.array([-2 * SLIGHT, 0.0, 0.19 + EASY + 0.01, 0.0, 9.0])
+    driven = np.ones(5)
+    assert poses_on(SweptLine(), covers, spare, driven) == (1, 2, 1, MOST_POSES, 1)
+    assert poses_on(SeparatingLine(), covers, spare, driven) == (1,) * 5
+
+
+def test_rows_stand_at_the_knot_only_where_there_is_room_or_rest() -> None:
+    covers, spare = np.full(4, 0.04), np.array([ROOMY + 0.01, ROOMY - 0.01, 0.0, 0.0])
+    travels = np.array([1.0, 1.0, STILL / 2, 2 * STILL])
+    assert poses_on(SweptLine(), covers, spare, travels) == (0, 1, 0, 1)
+    must_give_way = spare - [0, 0, 0, 2 * SLIGHT]
+    assert poses_on(SweptLine(), covers, must_give_way, travels) == (1, 1, 0, 1)
+
+
+def test_no_body_point_travels_further_than_its_bound() -> None:
+    car = vehicle("paper")
+    motion = drive([(1.0, 0.08), (0.0, 0.08), (-0.5, -0.08), (-0.5, -0.05), (-1.0, 0.0)], step=0.8)
+    travels, played, corners = travels_of(motion, car), replay(car, motion), car.parts[0].polygon.vertices
+    for k, (before, after) in enumerate(zip(motion.t[:-1], motion.t[1:], strict=True)):
+        V = transform(corners, played.at(np.linspace(before, after, 41))[:, :3])
+        path = np.linalg.norm(np.diff(V, axis=0), axis=2).sum(axis=0).max()
+        assert path <= travels[k] <= 3 * path + 0.1
 
 
 def test_sampled_clearance_is_the_distance_of_every_pair() -> None:

@@ -131,7 +131,13 @@ def test_limits_callback_and_exceptions():
 
     with pytest.raises(ZeroDivisionError):
         Stagewise().solve_stages(given, callback=fail)
-    for bad in ({"tolerance": 0.0}, {"time_limit": -1.0}, {"max_iterations": -1}, {"initial_barrier": np.nan}):
+    for bad in (
+        {"tolerance": 0.0},
+        {"time_limit": -1.0},
+        {"max_iterations": -1},
+        {"initial_barrier": np.nan},
+        {"slack_push": -1.0},
+    ):
         with pytest.raises(InputError, match=next(iter(bad))):
             Stagewise(**bad)
 

@@ -50,7 +50,7 @@ def both(formulation, *, car="paper", steps=3, seed=0, **changes):
     grid = TimeGrid(fractions / fractions[-1])
     arguments = {"margin": 0.3, "end_margin": 0.1, "workspace_margin": 0.05, "substeps": 3}
     if formulation.holds == "interval":
-        arguments["poses"] = tuple(int(count) for count in rng.integers(1, 4, steps))
+        arguments["poses"] = tuple(int(count) for count in rng.integers(0, 4, steps))
     ends = {name: changes.pop(name) for name in ("start", "goal") if name in changes}
     settings = Settings(formulation=formulation, **arguments | changes)
     masks = {

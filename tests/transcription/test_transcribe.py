@@ -373,8 +373,8 @@ def test_swept_rows_ask_for_the_margin_and_the_cover_at_free_poses():
     ("arguments", "path"),
     [
         ({"substeps": 0}, "substeps"),
-        ({"poses": 0}, "poses"),
-        ({"poses": (2, 0)}, "poses"),
+        ({"poses": -1}, "poses"),
+        ({"poses": (2, -1)}, "poses"),
         ({"poses": ()}, "poses"),
         ({"margin": -0.1}, "margin"),
         ({"margin": np.nan}, "margin"),

@@ -19,6 +19,8 @@ FEWEST, MOST = 30, 70
 COVER = 0.05
 EASY = 0.1
 MOST_POSES = 3
+ROOMY, SLIGHT = 0.3, 0.015
+STILL = 0.004
 
 
 def path_length(trajectory: Trajectory) -> float:
@@ -78,17 +80,33 @@ def covers_of(motion: Trajectory, vehicle: VehicleModel) -> Array:
     return np.asarray(np.max(bounds, axis=0) * h**2 / 8)
 
 
-def poses_on(formulation: Formulation, covers: Array, clearances: Array) -> tuple[int, ...]:
+def travels_of(motion: Trajectory, vehicle: VehicleModel) -> Array:
+    """How far no body point goes beyond on each interval, m, (N,): by the largest speeds there."""
+    bounds = vehicle.motion_bounds(motion.states[:-1], motion.states[1:], motion.inputs)
+    speeds = [bounds[part.frame].speed + part.polygon.radius * bounds[part.frame].yaw_rate for part in vehicle.parts]
+    return np.asarray(np.max(speeds, axis=0) * np.diff(motion.t))
+
+
+def poses_on(formulation: Formulation, covers: Array, clearances: Array, travels: Array) -> tuple[int, ...]:
     """Sub-intervals of each interval, so that a cover of about ``COVER`` is left where it matters.
+
+    There are none, but rows at the last knot only, where the motion hardly moves: if no point moves by more than
+    ``STILL``, it comes nearer between two knots than at them by half of that, which is what planning demands beyond the
+    margin. There are none, either, where more than ``ROOMY`` is left, if the motion need not give way by more than
+    ``SLIGHT`` anywhere; one that has to change more would use what is not asked of it.
 
     Args:
         formulation: Members that hold at the knots have one.
         covers: Of each interval without interior poses, m, (N,).
         clearances: Room beyond the margin on each interval, m, (N,); with more than the cover and ``EASY`` no interior
             pose is needed.
+        travels: How far body points go on each interval at most, m, (N,).
     """
     if formulation.holds == "knots":
         return (1,) * covers.size
     wanted = np.ceil(np.sqrt(covers / COVER))
     wanted[clearances > covers + EASY] = 1
-    return tuple(int(count) for count in np.clip(wanted, 1, MOST_POSES))
+    wanted = np.clip(wanted, 1, MOST_POSES)
+    far = ROOMY if clearances.min(initial=0.0) >= -SLIGHT else np.inf
+    wanted[(clearances > far) | (travels < STILL)] = 0
+    return tuple(int(count) for count in wanted)

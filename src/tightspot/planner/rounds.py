@@ -41,6 +41,8 @@ from tightspot.verification.replay import Replay, replay
 FEASIBLE = 1e-5
 WARM_BARRIER = 1e-3
 """Small enough not to push a solution on a coarser mesh over into another valley."""
+BETWEEN_BARRIER, BETWEEN_SLACK = 3e-3, 0.1
+"""For rows between the knots, m: a solution at the knots violates some of them by about as much."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,8 @@ class Mesh:
     Attributes:
         formulation: How separation is written.
         grid: Knots.
-        poses: Sub-intervals with rows of each interval (members that hold on the interval), N numbers.
+        poses: Sub-intervals with rows of each interval (members that hold on the interval), N numbers; 0: at its last
+            knot only.
         extra: Clearance demanded beyond the margin, m, so that the judge has room to prove the margin.
         active: Pairs in the problem, (N, parts, obstacle parts).
         walls: Edges of W in the problem, (N, parts, edges).
@@ -233,7 +236,9 @@ def _solved(
         return solver.solve_stages(problem_of(request, step), callback=watch)
     problem = carry_lines(before.mesh.grid, before.report, problem_of(request, step))
     if solver.initial_barrier is None:
-        near = replace(solver, initial_barrier=WARM_BARRIER).solve_stages(problem, callback=watch)
+        between = step.mesh.formulation.holds == "interval"
+        barrier, slack = (BETWEEN_BARRIER, BETWEEN_SLACK) if between else (WARM_BARRIER, None)
+        near = replace(solver, initial_barrier=barrier, slack_push=slack).solve_stages(problem, callback=watch)
         if near.status.success:
             return near
     return solver.solve_stages(problem, callback=watch)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.formulations import Formulation, SeparatingLine
-from tightspot.planner.mesh import covers_of, poses_for, poses_on, steps_for
+from tightspot.planner.mesh import covers_of, poses_for, poses_on, steps_for, travels_of
 from tightspot.planner.pairs import Room
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Mesh, Round, Step
@@ -96,7 +96,8 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
         walls=_walls_near(request, room),
     ).cut(pieces)
     start = on_grid(motion, mesh.grid)
-    poses = poses_on(request.formulation, covers_of(start, request.vehicle), np.repeat(spare, pieces))
+    covers, travels = covers_of(start, request.vehicle), travels_of(start, request.vehicle)
+    poses = poses_on(request.formulation, covers, np.repeat(spare, pieces), travels)
     return Step(
         replace(mesh, poses=poses),
         start,
@@ -183,6 +184,7 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
         mesh,
         active=mesh.active | _near(request, room),
         walls=mesh.walls | _walls_near(request, room),
+        poses=tuple(max(count, 1) for count in mesh.poses),
     )
     finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
     if number <= 3 and finer.grid.steps > mesh.grid.steps:

@@ -189,6 +189,8 @@ class Stagewise(Solver):
         time_limit: Wall-clock limit of one solve, s.
         initial_barrier: mu_0; ``None``: chosen from the objective at the start, or :data:`WARM_BARRIER` where a solve
             begins with an earlier solution.
+        slack_push: Least slack of a row where a solve begins, m; ``None``: the core's, 0.01. With more, a start that
+            violates rows by about as much can move without running into them at once.
         robust: When the solve from the given start comes to nothing, try the ways of
             :mod:`tightspot.solvers.rough_starts`. All together keep to the limits on iterations and time.
     """
@@ -198,12 +200,15 @@ class Stagewise(Solver):
     max_iterations: int = 1000
     time_limit: float = 10.0
     initial_barrier: float | None = None
+    slack_push: float | None = None
     robust: bool = True
 
     def __post_init__(self) -> None:
-        problems, barrier = limit_problems(self), self.initial_barrier
-        if barrier is not None and not (np.isfinite(barrier) and barrier > 0):
-            problems.append(Problem("solver.initial_barrier", f"{barrier} must be positive and finite"))
+        problems = limit_problems(self)
+        for name in ("initial_barrier", "slack_push"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                problems.append(Problem(f"solver.{name}", f"{value} must be positive and finite"))
         if problems:
             raise InputError(problems)
 
@@ -376,9 +381,12 @@ class Stagewise(Solver):
         options.time_limit = self.time_limit
         options.warm = warm
         if warm:
-            options.bound_push, options.initial_barrier = WARM_PUSH, WARM_BARRIER
+            options.bound_push = options.slack_push = WARM_PUSH
+            options.initial_barrier = WARM_BARRIER
         if self.initial_barrier is not None:
             options.initial_barrier = self.initial_barrier
+        if self.slack_push is not None:
+            options.slack_push = self.slack_push
         return options
 
     def _report(
@@ -551,7 +559,7 @@ def start_lines(
     obstacle_vertices: Array,
     obstacle_first: NDArray[np.int64],
     *,
-    at_knots: bool,
+    whole: NDArray[np.bool_],
     moving: NDArray[np.int64] | None = None,
     frames: Array | None = None,
 ) -> StartLines:
@@ -559,15 +567,16 @@ def start_lines(
 
     As :func:`tightspot.formulations.lines.line_of_guess`: the best normal at the interval's middle pose, and the offset
     midway between the obstacle and the body at all the interval's poses, interpolated between the knots, or at the last
-    one alone. The arrays are those of a :class:`StageProblem`; the states are the guess's. Obstacles that move
-    (``moving``, (M,)) have lines and points in their frames, whose poses at each sample are ``frames``, (M, S, 3).
+    one alone where it is not ``whole``, (N,). The arrays are those of a :class:`StageProblem`, the states the guess's.
+    Obstacles that move (``moving``, (M,)) have lines and points in their frames, whose poses at each sample are
+    ``frames``, (M, S, 3).
     """
     states = np.ascontiguousarray(states)
     polygons = (part_vertices, part_first, obstacle_vertices, obstacle_first)
     moving = np.zeros(0, np.int64) if moving is None else moving
     frames = np.zeros((0, 0, 3)) if frames is None else frames
     table = _core().stagewise_start_lines(
-        states, pieces, at_knots, *polygons, np.ascontiguousarray(pairs), moving, frames
+        states, pieces, np.flatnonzero(~whole), *polygons, np.ascontiguousarray(pairs), moving, frames
     )
     overlaps = np.maximum(0.0, -table[:, 4])
     return StartLines(np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:4]), overlaps)
@@ -576,12 +585,10 @@ def start_lines(
 def with_states(problem: StageProblem, states: Array, inputs: Array, final_time: float) -> StageProblem:
     """The problem, starting from other states, inputs and t_f, with the lines that separate best there."""
     first = np.concatenate([[0], np.cumsum(problem.pieces + 1)[:-1]])
-    at_knots = bool(np.isnan(problem.pair_demands[first, 0]).all())
+    whole = ~np.isnan(problem.pair_demands[first, 0])
     polygons = (problem.part_vertices, problem.part_first, problem.obstacle_vertices, problem.obstacle_first)
     moving, frames = problem.motion_obstacles, problem.frames(final_time)
-    found = start_lines(
-        states, problem.pieces, problem.pairs, *polygons, at_knots=at_knots, moving=moving, frames=frames
-    )
+    found = start_lines(states, problem.pieces, problem.pairs, *polygons, whole=whole, moving=moving, frames=frames)
     soft = problem.soft
     return problem.replaced(
         states=states,

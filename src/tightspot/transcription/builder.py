@@ -83,7 +83,7 @@ class Builder:
         self.n = self.m = 0
         self.penalty: Any = 0.0
         self.final_time = ca.SX.sym("t_f")
-        self.pieces = settings.pieces(grid.steps)
+        self.pieces, self.whole = settings.pieces(grid.steps), settings.whole(grid.steps)
         self._parameters()
         self.lines: dict[tuple[int, int, int], slice] = {}
 
@@ -193,8 +193,7 @@ class Builder:
         """W and separation rows that hold at knot k or on the interval that ends there; none at the start."""
         first = self.n
         if k > 0:
-            knots_only = self.settings.formulation.holds == "knots"
-            samples = [states[k]] if knots_only else [states[k - 1], *driven[:-1], states[k]]
+            samples = [states[k - 1], *driven[:-1], states[k]] if self.whole[k - 1] else [states[k]]
             fixed = [False] * len(samples)
             fixed[0] = self.shape.fixed_poses[0] and k == 1 and len(samples) > 1
             fixed[-1] = self.shape.fixed_poses[1] and k == self.grid.steps
@@ -225,7 +224,7 @@ class Builder:
 
         A function with ``|f''| <= P`` leaves its linear interpolation over h by at most ``P h^2 / 8``.
         """
-        if self.settings.formulation.holds == "knots":
+        if not self.whole[k - 1]:
             return 0.0
         step = self.final_time * float(self.grid.widths[k - 1])
         middle = ca.vertsplit((states[k - 1] + states[k]) / 2)

@@ -52,14 +52,15 @@ def with_numbers(
             first[stage.control] = guess.inputs[stage.k]
     lower[symbols.shared], upper[symbols.shared] = settings.final_time_bounds
     first[symbols.shared] = guess.duration
-    pieces = settings.pieces(len(symbols.stages) - 1)
+    steps = len(symbols.stages) - 1
+    pieces, whole = settings.pieces(steps), settings.whole(steps)
     final_time = float(np.clip(guess.duration, *settings.final_time_bounds))
     frames = dict(zip(moving.obstacles, moving.frames(final_time), strict=True))
     for (k, part, obstacle), place in symbols.lines.items():
         body, polygon = vehicle.parts[part], obstacles[obstacle]
         sizes = len(body.polygon.vertices), len(polygon.vertices)
         lower[place], upper[place] = settings.formulation.auxiliary_bounds(*sizes)
-        poses = _guess_poses(vehicle, body, guess, k, pieces[k], settings)
+        poses = _guess_poses(vehicle, body, guess, k, pieces[k] if whole[k] else 0)
         if obstacle in frames:
             after = sum(pieces[: k + 1]) + k + 1
             poses = seen_from(poses, frames[obstacle][after - poses.shape[1] : after])
@@ -99,11 +100,9 @@ def _parameters(
     return np.concatenate([*p, normals[normals != 0], workspace.b, *moving.numbers()])
 
 
-def _guess_poses(
-    vehicle: VehicleModel, part: BodyPart, guess: Trajectory, k: int, pieces: int, settings: Settings
-) -> Array:
-    """The guess's poses of a part on interval [t_k, t_{k+1}], (1, P, 3)."""
-    if settings.formulation.holds == "knots":
+def _guess_poses(vehicle: VehicleModel, part: BodyPart, guess: Trajectory, k: int, pieces: int) -> Array:
+    """The guess's poses of a part on interval [t_k, t_{k+1}], (1, P, 3); without pieces the last one alone."""
+    if pieces == 0:
         states = guess.states[k + 1 : k + 2]
     else:
         weights = np.linspace(0.0, 1.0, pieces + 1)[:, None]

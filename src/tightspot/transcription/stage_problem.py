@@ -111,10 +111,10 @@ def _arrays(
     moving: MotionArrays,
 ) -> StageProblem:
     assert isinstance(vehicle, SingleTrack)
-    pieces = np.array(settings.pieces(grid.steps), np.int64)
+    pieces, whole = np.array(settings.pieces(grid.steps), np.int64), np.array(settings.whole(grid.steps))
     pairs, wall_indices = np.argwhere(active), np.argwhere(walls)
     fixed = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
-    pair_demands, sides, wall_demands = _demands(settings, pieces, fixed)
+    pair_demands, sides, wall_demands = _demands(settings, pieces, whole, fixed)
     low, high = (bound.copy() for bound in vehicle.state_bounds)
     low[2], high[2] = max(low[2], -settings.heading_limit), min(high[2], settings.heading_limit)
     states = np.clip(guess.states, low, high)
@@ -124,13 +124,10 @@ def _arrays(
     edges = wall_indices[:, 2]
     steering = vehicle.limits.steering
     parts = PolygonStack(part.polygon for part in vehicle.parts)
-    at_knots = settings.formulation.holds == "knots"
     polygons = (parts.vertices, parts.first, obstacles.vertices, obstacles.first)
     final_time = float(np.clip(guess.duration, time_low, time_high))
     frames = moving.frames(final_time)
-    lines = start_lines(
-        guess.states, pieces, pairs, *polygons, at_knots=at_knots, moving=moving.obstacles, frames=frames
-    )
+    lines = start_lines(guess.states, pieces, pairs, *polygons, whole=whole, moving=moving.obstacles, frames=frames)
     extras = moving.extras[tuple(pairs.T)] / 2 if moving.obstacles.size else np.zeros(0)
     pair_sides = np.ascontiguousarray(sides[pairs[:, 0]])
     pair_sides[: extras.size, 0] += extras
@@ -180,25 +177,26 @@ def _arrays(
     )
 
 
-def _demands(settings: Settings, pieces: Integers, fixed: tuple[bool, bool]) -> tuple[Array, Array, Array]:
+def _demands(
+    settings: Settings, pieces: Integers, whole: NDArray[np.bool_], fixed: tuple[bool, bool]
+) -> tuple[Array, Array, Array]:
     """Demands (constant, weight of the cover): of pairs by sample, the obstacle's side by interval, walls by sample.
 
     The clearance d at a sample is the margin plus the cover; where the pose is given it is the end margin alone. Half
-    the first sample's clearance lies on the obstacle's side of the line, d less that half on the body's.
+    the first sample's clearance lies on the obstacle's side of the line, d less that half on the body's. Intervals that
+    are not ``whole`` have rows at their last sample only, without a cover.
     """
     last = np.cumsum(pieces + 1) - 1
     first = last - pieces
-    on_interval = settings.formulation.holds == "interval"
-    cover = 1.0 if on_interval else 0.0
+    covers = np.repeat(np.where(whole, 1.0, 0.0), pieces + 1)
     end_margin = settings.margin if settings.end_margin is None else settings.end_margin
-    clearance = np.tile([settings.margin, cover], (last[-1] + 1, 1))
-    wall = np.tile([settings.workspace_margin, cover], (last[-1] + 1, 1))
+    clearance = np.column_stack([np.full(covers.size, settings.margin), covers])
+    wall = np.column_stack([np.full(covers.size, settings.workspace_margin), covers])
     if fixed[0]:
         clearance[0], wall[0] = (end_margin, 0.0), np.nan
     if fixed[1]:
         clearance[-1], wall[-1] = (end_margin, 0.0), 0.0
-    sides = clearance[first if on_interval else last] / 2
+    sides = clearance[np.where(whole, first, last)] / 2
     pair = clearance - np.repeat(sides, pieces + 1, axis=0)
-    if not on_interval:
-        pair[first] = wall[first] = np.nan
+    pair[first[~whole]] = wall[first[~whole]] = np.nan
     return pair, sides, wall

@@ -57,6 +57,7 @@ def _key(vehicle: VehicleModel, settings: Settings, grid: TimeGrid, shape: Shape
         settings.objective.energy,
         settings.substeps,
         settings.pieces(grid.steps),
+        settings.whole(grid.steps),
         grid.fractions.tobytes(),
         shape.obstacles,
         *((mask.shape, mask.tobytes()) for mask in (shape.walls_pattern, shape.active, shape.walls)),

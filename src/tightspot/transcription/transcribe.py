@@ -43,7 +43,8 @@ class Settings:
         workspace_margin: Demanded distance of the body from W's boundary at free poses, m.
         substeps: RK4 steps an interval.
         poses: Sub-intervals whose end poses carry rows, for formulations that hold on the interval; one number for
-            all intervals, or one each.
+            all intervals, or one each. 0: on that interval rows at its last knot only, as a formulation that holds at
+            the knots has them.
         final_time: Bounds of the free final time, s, or one number to fix it.
         penalty_weight: What the time integral of a soft formulation's penalty is multiplied with, 1/(m s); others have
             none.
@@ -62,8 +63,12 @@ class Settings:
     heading_limit: float = np.inf
 
     def __post_init__(self) -> None:
-        counts = {"substeps": self.substeps, "poses": min(np.atleast_1d(self.poses), default=0)}
-        problems = [Problem(name, f"{count} must be at least 1") for name, count in counts.items() if count < 1]
+        counts = {"substeps": (self.substeps, 1), "poses": (min(np.atleast_1d(self.poses), default=-1), 0)}
+        problems = [
+            Problem(name, f"{count} must be at least {least}")
+            for name, (count, least) in counts.items()
+            if count < least
+        ]
         for name in ("margin", "end_margin", "workspace_margin"):
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value >= 0):
@@ -79,13 +84,24 @@ class Settings:
             raise InputError(problems)
 
     def pieces(self, steps: int) -> tuple[int, ...]:
-        """Sub-intervals of each of the ``steps`` intervals: 1 for formulations that hold at the knots.
+        """Sub-intervals of each of the ``steps`` intervals: 1 where rows stand at the last knot only.
 
         Raises:
             InputError: ``poses`` has another length.
         """
+        return tuple(max(count, 1) for count in self._poses(steps))
+
+    def whole(self, steps: int) -> tuple[bool, ...]:
+        """On which of the ``steps`` intervals rows stand at all sample poses, not at the last knot only.
+
+        Raises:
+            InputError: ``poses`` has another length.
+        """
+        return tuple(count > 0 for count in self._poses(steps))
+
+    def _poses(self, steps: int) -> tuple[int, ...]:
         if self.formulation.holds == "knots":
-            return (1,) * steps
+            return (0,) * steps
         poses = (self.poses,) * steps if isinstance(self.poses, int) else self.poses
         if len(poses) != steps:
             raise InputError(Problem("poses", f"has {len(poses)} numbers for {steps} intervals; give one or {steps}"))

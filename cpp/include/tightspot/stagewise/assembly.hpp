@@ -124,7 +124,7 @@ class Assembly {
             for (int part = 0; has_cover(k) && part < parts; ++part) {
                 const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
                 double sum = 0;
-                for (int i = 0; i < S::nw; ++i) sum += gradient[i] * w[i];
+                for (int i = covers_.pose; i < S::nw; ++i) sum += gradient[i] * w[i];
                 steps_.covers[k * parts + part] = sum;
             }
         }
@@ -322,7 +322,7 @@ class Assembly {
         if (views_.any(k)) g[S::nx] += out.forces.times[k];
         for (int part = 0; has_cover(k) && part < parts; ++part) {
             const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
-            for (int i = 0; i < S::nw; ++i) g[i] += out.forces.covers[k * parts + part] * gradient[i];
+            for (int i = covers_.pose; i < S::nw; ++i) g[i] += out.forces.covers[k * parts + part] * gradient[i];
         }
     }
 

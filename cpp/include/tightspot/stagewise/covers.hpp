@@ -1,5 +1,5 @@
 // Covers: how far a body's points can leave the chords between an interval's samples, a function of
-// ((x_k + x_{k+1}) / 2, widths[k] t_f, u_k) for every part.
+// ((x_k + x_{k+1}) / 2, widths[k] t_f, u_k) for every part, but not of the pose, the first three states.
 #pragma once
 
 #include <vector>
@@ -42,12 +42,12 @@ class Covers {
             Pack* H = hessians_.data() + (index * parts + part) * S::na * S::na;
             Model::cover_derivatives(at.middle, at.h, at.u, problem_.parameters.data(), problem_.radii[part],
                                      convoy.pieces, gradient, H);
-            for (int i = 0; i < S::na; ++i)
-                for (int j = 0; j < S::na; ++j) H[i * S::na + j] *= scale[i] * scale[j];
+            for (int i = pose; i < S::na; ++i)
+                for (int j = pose; j < S::na; ++j) H[i * S::na + j] *= scale[i] * scale[j];
             for (int l = 0; l < convoy.count; ++l) {
                 double* w = gradients.data() + ((convoy.first + l) * parts + part) * S::nw;
-                for (int i = 0; i < S::na; ++i) w[i] = (scale[i] * gradient[i])[l];
-                for (int i = 0; i < S::nx; ++i) w[S::na + i] = w[i];
+                for (int i = pose; i < S::na; ++i) w[i] = (scale[i] * gradient[i])[l];
+                for (int i = pose; i < S::nx; ++i) w[S::na + i] = w[i];
             }
         }
     }
@@ -58,8 +58,8 @@ class Covers {
         for (int part = 0; part < parts; ++part) {
             if (forces[part] == 0) continue;
             const Pack* H = hessians_.data() + (index * parts + part) * S::na * S::na;
-            for (int i = 0; i < S::na; ++i)
-                for (int j = 0; j < S::na; ++j) {
+            for (int i = pose; i < S::na; ++i)
+                for (int j = pose; j < S::na; ++j) {
                     const double entry = forces[part] * H[i * S::na + j][l];
                     out.own[i * S::na + j] += entry;
                     if (i < S::nx) out.mixed[i * S::na + j] += entry;
@@ -68,7 +68,8 @@ class Covers {
         }
     }
 
-    Vector gradients;  // by (interval, part), nw each
+    static constexpr int pose = 3;
+    Vector gradients;  // by (interval, part), nw each; 0 along poses
 
    private:
     struct Arguments {

@@ -125,7 +125,7 @@ class InteriorPoint : public Newton<Model> {
         assembly_.evaluate(v.data(), values_);
         if (!(mu_ > 0)) mu_ = first_barrier();
         for (int i = 0; i < layout_.rows; ++i) {
-            point.s[i] = std::max(values_.rows[i], options_.bound_push);
+            point.s[i] = std::max(values_.rows[i], options_.slack_push);
             const double central = mu_ / point.s[i];
             point.z[i] = options_.warm ? std::clamp(point.z[i], 0.1 * central, 1e3 * central) : central;
         }

@@ -16,7 +16,8 @@ struct Options {
     int max_iterations = 500;
     double time_limit = 10;  // s
     double initial_barrier = 0;  // 0: see InteriorPoint::first_barrier
-    double bound_push = 1e-2;
+    double bound_push = 1e-2;  // how far the start is moved away from bounds, relative
+    double slack_push = 1e-2;  // least slack of a row at the start, m
     bool second_order_correction = true;
     bool warm = false;  // keep the multipliers that were set, and take long steps from the first one on
 };

@@ -11,15 +11,15 @@
 namespace tightspot::stagewise {
 
 // What lines are asked for: the guess's states (x, y, theta first), `nx` numbers a knot, and pairs (interval, part,
-// obstacle). Poses in between are interpolated; with `at_knots` only the one at the interval's end counts.
+// obstacle). Poses in between are interpolated; of intervals that are not whole only the one at the end counts.
 struct GuessedMotion {
     const double* states;
     int nx;
     const Indices& pieces;
-    bool at_knots;
+    const std::vector<char>& whole;
 
     judge::Placement pose(int k, int piece) const {
-        const double weight = at_knots ? 1.0 : static_cast<double>(piece) / pieces[k];
+        const double weight = whole[k] ? static_cast<double>(piece) / pieces[k] : 1.0;
         const double *from = states + k * nx, *to = from + nx;
         double q[3];
         for (int i = 0; i < 3; ++i) q[i] = (1 - weight) * from[i] + weight * to[i];
@@ -30,7 +30,7 @@ struct GuessedMotion {
     judge::Placement pose(int k, int piece, const double* frames) const {
         const judge::Placement world = pose(k, piece);
         if (!frames) return world;
-        const double* frame = frames + 3 * (at_knots ? pieces[k] : piece);
+        const double* frame = frames + 3 * (whole[k] ? piece : pieces[k]);
         const double c = std::cos(frame[2]), s = std::sin(frame[2]), x = world.x - frame[0], y = world.y - frame[1];
         return {c * x + s * y, c * y - s * x, c * world.cos + s * world.sin, c * world.sin - s * world.cos};
     }
