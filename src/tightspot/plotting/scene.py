@@ -34,6 +34,14 @@ def obstacle_shape(obstacle: Obstacle) -> Any:
     return shapely.union_all(obstacle.polygons)
 
 
+def obstacle_path(obstacle: Obstacle) -> Path:
+    """The obstacle as given, for drawing: its holes stay empty when it is filled."""
+    if obstacle.is_plain:
+        corners = obstacle.parts[0].vertices
+        return Path(np.concatenate([corners, corners[:1]]), closed=True)
+    return shape_path(obstacle_shape(obstacle))
+
+
 def draw_scene(axes: Axes, scenario: Scenario, vehicle: VehicleModel | None = None) -> None:
     """The workspace as ground, the obstacles as given, the vehicle at start (dashed) and goal (solid).
 
@@ -44,17 +52,18 @@ def draw_scene(axes: Axes, scenario: Scenario, vehicle: VehicleModel | None = No
     """
     ground = scenario.boundary.polygon if scenario.boundary else scenario.workspace.to_shapely()
     axes.add_patch(shape_patch(ground, facecolor=style.GROUND, edgecolor=style.INK, linewidth=1.1, zorder=1))
-    for obstacle in scenario.obstacles:
-        axes.add_patch(
-            shape_patch(
-                obstacle_shape(obstacle),
-                facecolor=style.OBSTACLE,
-                edgecolor=style.OBSTACLE_EDGE,
-                linewidth=1.0,
-                joinstyle="round",
-                zorder=2,
-            )
-        )
+    axes.add_collection(
+        PathCollection(
+            [obstacle_path(obstacle) for obstacle in scenario.obstacles],
+            facecolors=style.OBSTACLE,
+            edgecolors=style.OBSTACLE_EDGE,
+            linewidths=1.0,
+            joinstyle="round",
+            zorder=2,
+            gid="obstacles",
+        ),
+        autolim=False,
+    )
     if vehicle is not None:
         draw_ends(axes, scenario, vehicle)
 

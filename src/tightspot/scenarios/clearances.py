@@ -86,9 +86,3 @@ def padded_vertices(polygons: list[Array]) -> Array:
     """Vertex lists as one array (len, n, 2); shorter ones repeat their last vertex."""
     n = max(len(vertices) for vertices in polygons)
     return np.stack([np.vstack([v, np.repeat(v[-1:], n - len(v), axis=0)]) for v in polygons])
-
-
-def box_distance(p: Array, q: Array) -> float:
-    """Distance of two point sets' bounding boxes, a lower bound of that of their hulls, m."""
-    gaps = np.maximum(q.min(axis=0) - p.max(axis=0), p.min(axis=0) - q.max(axis=0))
-    return float(np.hypot(*np.maximum(gaps, 0.0)))

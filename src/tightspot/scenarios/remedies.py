@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tightspot.errors import GeometryError, VehicleError
 from tightspot.geometry import ConvexPolygon
 from tightspot.geometry import clearance as signed_distance
-from tightspot.scenarios.clearances import body_vertices, box_distance, clearances, padded_vertices, workspace_excess
+from tightspot.scenarios.clearances import body_vertices, clearances, padded_vertices, workspace_excess
 from tightspot.scenarios.scenario import Scenario
 from tightspot.vehicles import VehicleModel, body_width, narrowed
 
@@ -68,11 +68,9 @@ def _nearest_step(
         return None
     free = room.to_shapely()
     corners = np.vstack(bodies)
-    near = [
-        polygon.vertices - here
-        for _, polygon in scenario.obstacle_parts
-        if box_distance(corners, polygon.vertices - here) <= reach + margin + spare
-    ]
+    polygons = scenario.obstacle_polygons
+    within = np.flatnonzero(polygons.box_distances(corners + here) <= reach + margin + spare)
+    near = [polygon.vertices - here for polygon in polygons.chosen(within)]
     if near:
         outside = (margin + spare) / np.cos(np.pi / (4 * _QUADRANT))  # the arcs' chords lie outside the circle
         sums = np.concatenate([_sums(padded_vertices(near), vertices) for vertices in bodies])
@@ -109,9 +107,8 @@ def _first_free_turn(
     for vertices in bodies:
         free &= (vertices @ W.A.T <= W.b + SLACK).all(axis=(1, 2))
     corners = np.concatenate([vertices.reshape(-1, 2) for vertices in bodies])
-    for _, polygon in scenario.obstacle_parts:
-        if box_distance(corners, polygon.vertices) > margin:
-            continue
+    polygons = scenario.obstacle_polygons
+    for polygon in polygons.chosen(np.flatnonzero(polygons.box_distances(corners) <= margin)):
         for vertices in bodies:
             rows = np.flatnonzero(free)
             if rows.size:

@@ -27,7 +27,9 @@ from tightspot.errors import Problem, VehicleError
 from tightspot.problems import MOST_PROBLEMS, from_pydantic, near, prefixed, refusal, shown, unknown_key
 
 FORMAT: Literal["tightspot-scene/1"] = "tightspot-scene/1"
-MAX_VERTICES = 50_000
+MAX_VERTICES = 200_000
+MAX_DRAWN = 50_000
+"""Vertices in files of other formats: sorting out which of them are obstacles takes seconds."""
 MAX_CORNERS = 10_000
 """Of one polygon with its holes: decomposing it takes seconds."""
 LARGEST_COORDINATE = 1e11

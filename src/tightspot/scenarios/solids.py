@@ -104,12 +104,16 @@ def _solid(name: str, members: Sequence[Member]) -> Solid:
 
 def _cover(members: Sequence[Member], region: list[shapely.Polygon]) -> tuple[list[ConvexPolygon], list[str]]:
     """The members' parts, as far as possible merged, and the names of the obstacles in each."""
-    parts = [part for member in members for part in member.parts]
-    owners = [member.name for member in members for _ in member.parts]
+    owners: dict[ConvexPolygon, list[str]] = {}
+    for member in members:
+        for part in member.parts:
+            owners.setdefault(part, []).append(member.name)
+    parts = list(owners)
     merged = [covers.Merged(part, (i,)) for i, part in enumerate(parts)]
     if len(parts) > 1 and (len(members) > 1 or len(parts) <= MANY_PARTS):
         merged = covers.merged(parts, shapely.union_all([*region, *(p.to_shapely() for p in parts)]), _SHARE)
-    labels = [_joined(list(dict.fromkeys(owners[i] for i in item.indices))) for item in merged]
+    names = ((name for i in item.indices for name in owners[parts[i]]) for item in merged)
+    labels = [_joined(list(dict.fromkeys(of_part))) for of_part in names]
     return [covers.simplified(item.polygon, _SHARE) for item in merged], labels
 
 

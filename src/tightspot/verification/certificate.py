@@ -307,6 +307,8 @@ def digest(
 
 def _doubles(data: Any) -> Any:
     """The same plain data with every number as a double."""
+    if type(data) is list:  # most of the data: lists of doubles
+        return [item + 0.0 if type(item) is float else _doubles(item) for item in data]
     if isinstance(data, Mapping):
         return {key: _doubles(value) for key, value in data.items()}
     if isinstance(data, list | tuple):

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.geometry import PolygonStack, transform
 from tightspot.geometry import clearance as signed_distance
-from tightspot.geometry import transform
 from tightspot.scenarios import Scenario
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import VehicleModel
@@ -73,17 +73,27 @@ def clearance_series(scenario: Scenario, vehicle: VehicleModel, states: Array, t
     columns = vehicle.frames(list(states.T), np)
     poses = [np.stack(np.broadcast_arrays(*frame), axis=-1) for frame in columns]
     best, pair, inside = np.full(t.size, np.inf), np.zeros(t.size, dtype=np.intp), np.full(t.size, np.inf)
-    obstacles = scenario.obstacle_parts
-    names = [(part.name, obstacle) for part in vehicle.parts for obstacle, _ in obstacles] or [("", "")]
+    obstacles = scenario.obstacle_polygons
+    names = [(part.name, obstacle) for part in vehicle.parts for obstacle in scenario.part_names] or [("", "")]
     for i, part in enumerate(vehicle.parts):
         V = transform(part.polygon.vertices, poses[part.frame])
         inside = np.minimum(inside, (scenario.workspace.b - V @ scenario.workspace.A.T).min(axis=(1, 2)))
-        for j, (_, polygon) in enumerate(obstacles):
-            gap = _clearance_where_near(V, polygon.vertices, best)
+        for j in _candidates(V, obstacles):
+            gap = _clearance_where_near(V, obstacles[j].vertices, best)
             pair = np.where(gap < best, i * len(obstacles) + j, pair)
             best = np.minimum(best, gap)
     named = [names[index] for index in pair]
     return ClearanceSeries(t, best, tuple(name for name, _ in named), tuple(name for _, name in named), inside)
+
+
+def _candidates(V: Array, obstacles: PolygonStack) -> list[int]:
+    """Which polygons may be the nearest to V (M, n, 2) at some time: none is that is always farther than another."""
+    if not (len(obstacles) and V.size):
+        return []
+    apart = obstacles.box_distances(V.reshape(-1, 2))
+    farthest = signed_distance(V, obstacles[int(apart.argmin())].vertices).max()
+    candidates: list[int] = np.flatnonzero(apart <= max(farthest, 0.0)).tolist()
+    return candidates
 
 
 def _clearance_where_near(V: Array, O: Array, best: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -35,7 +36,7 @@ from tightspot.transcription import TimeGrid, stage_problem, transcribe
 
 REPEATS = 5
 LATTICE = 32
-"""Obstacles in a row, for up to a thousand."""
+"""Obstacles in a row, of a thousand; of more the row is longer."""
 
 ROUNDING = 0.3
 """Radius of the corners of obstacles with more than four vertices, m."""
@@ -101,10 +102,11 @@ def over_obstacles(
 
 
 def crowded(count: int) -> Scenario:
-    """The scene ``vertical`` in a workspace of 150 m, with its two obstacles, a wall where its own workspace ends, and
-    further obstacles on a lattice beyond."""
+    """The scene ``vertical`` in a wide workspace (150 m for up to a thousand obstacles), with its two obstacles, a wall
+    where its own workspace ends, and further obstacles on a lattice beyond."""
     base = builtin("vertical")
-    side, width = LATTICE, 4.0 * LATTICE + 4.0
+    side = max(LATTICE, math.isqrt(max(count - 1, 0)) + 1)
+    width = 4.0 * side + 4.0
     extra = []
     for index in range(count - 2):
         x, y = 20.0 + 4.0 * (index % side), -8.0 + 4.0 * (index // side)

@@ -19,7 +19,7 @@ from tightspot.problems import join, shortened, shown
 from tightspot.scenarios.readers.given import Given, require_ends
 from tightspot.scenarios.readers.thickening import has_area, thickened_points, thickened_ring
 from tightspot.scenarios.scenario import Scenario
-from tightspot.scenarios.schema import MAX_VERTICES
+from tightspot.scenarios.schema import MAX_DRAWN
 
 Array = NDArray[np.float64]
 
@@ -43,8 +43,8 @@ class Count:
     def add(self, shape: Shape) -> Shape:
         """The shape itself; raises :class:`SceneError` if there are too many points."""
         self.points += sum(map(len, shape.rings))
-        if self.points > MAX_VERTICES:
-            raise SceneError(Problem("", f"the drawing has more than {MAX_VERTICES} points; simplify it, or split it"))
+        if self.points > MAX_DRAWN:
+            raise SceneError(Problem("", f"the drawing has more than {MAX_DRAWN} points; simplify it, or split it"))
         return shape
 
 

@@ -28,7 +28,7 @@ from tightspot.scenarios.readers.given import Given
 from tightspot.scenarios.readers.source import Source
 from tightspot.scenarios.readers.thickening import thickened_ring
 from tightspot.scenarios.scenario import Scenario
-from tightspot.scenarios.schema import MAX_VERTICES
+from tightspot.scenarios.schema import MAX_DRAWN
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ ROOM = 15.0
 MARGIN = 0.02
 VEHICLE = "tpcap"
 DESCRIPTION = "A scene of the Trajectory Planning Competition for Automated Parking (TPCAP)."
-_MOST_VALUES = 7 + 3 * MAX_VERTICES
+_MOST_VALUES = 7 + 3 * MAX_DRAWN
 
 _DELIMITER = re.compile(r"\s*[,;]\s*|\s+")
 _UNQUOTED = re.compile(r"^\"([^\"]*)\"$")
@@ -106,7 +106,7 @@ def _numbers(path: Path, text: str) -> Array:
     if problems:
         raise SceneError(shortened(problems))
     if len(values) > _MOST_VALUES:
-        raise refuse(path, f"holds more numbers than a scene of {MAX_VERTICES} vertices")
+        raise refuse(path, f"holds more numbers than a scene of {MAX_DRAWN} vertices")
     return np.array(values)
 
 
@@ -137,8 +137,8 @@ def _counts(path: Path, values: Array) -> list[int]:
     if found < 7:
         raise _wrong_length(path, "at least 7", found)
     announced = values[6]
-    if announced != np.round(announced) or not 0 <= announced <= MAX_VERTICES:
-        sentence = f"{announced:g} is not a number of obstacles between 0 and {MAX_VERTICES} (value 7)"
+    if announced != np.round(announced) or not 0 <= announced <= MAX_DRAWN:
+        sentence = f"{announced:g} is not a number of obstacles between 0 and {MAX_DRAWN} (value 7)"
         raise SceneError(Problem(path.name, sentence))
     n = int(announced)
     if found < 7 + n:
@@ -152,8 +152,8 @@ def _counts(path: Path, values: Array) -> list[int]:
     if odd:
         raise SceneError(shortened(odd))
     total = sum(counts.tolist())
-    if total > MAX_VERTICES:
-        sentence = f"announces {total:g} vertices; at most {MAX_VERTICES} are read"
+    if total > MAX_DRAWN:
+        sentence = f"announces {total:g} vertices; at most {MAX_DRAWN} are read"
         raise SceneError(Problem(path.name, sentence))
     expected = 7 + n + 2 * int(counts.sum())
     if found != expected:
