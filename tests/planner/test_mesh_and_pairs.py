@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tightspot.campaigns.speed.scaling import crowded
 from tightspot.formulations import SeparatingLine, SweptLine
 from tightspot.geometry import clearance
 from tightspot.geometry.transforms import transform
@@ -148,3 +149,18 @@ def test_replayed_room_names_the_intervals() -> None:
     nose = motion.knots[:, 0] + 3.699
     outside = (room.walls < 0).any(axis=(1, 2))
     assert outside.tolist() == (nose[1:] > 15.0).tolist(), "straight ahead the nose leaves W at x = 15"
+
+
+def test_far_obstacles_are_told_by_bounds_and_near_ones_by_interval() -> None:
+    scene, car = crowded(200), vehicle("paper")
+    guess = Trajectory(np.array([0.0, 40.0]), np.array([scene.start, scene.goal]), np.zeros((1, 2)))
+    room = Room.of_guess(guess, TimeGrid.uniform(10), scene, car)
+    dense = room.obstacles
+    assert dense.shape == (10, 1, 200)
+    assert 0 < room.near.size < 100
+    assert (room.far[:, room.near] == np.inf).all()
+    for reach in (-0.1, 0.5, 2.0, 8.0, 30.0):
+        assert np.array_equal(room.within(reach), dense < reach)
+    assert np.array_equal(room.by_obstacles, dense.min(axis=(1, 2)))
+    assert room.deepest == min(dense.min(), room.walls.min())
+    assert np.array_equal(room.spare(0.2), np.minimum(dense.min(axis=(1, 2)) - 0.2, room.walls.min(axis=(1, 2))))

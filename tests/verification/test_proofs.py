@@ -12,6 +12,7 @@ from tightspot.scenarios import Obstacle, Scenario
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import vehicle
 from tightspot.verification import Certificate, sampled, verify
+from tightspot.verification.dense import clearance_series
 
 
 def a_street(count: int, nearest: float = 3.0) -> Scenario:
@@ -89,3 +90,13 @@ def test_far_obstacles_count_with_a_bound_and_near_ones_exactly(compiled, monkey
     assert not near.all()
     assert np.allclose(few[near], exact[near])
     assert (few[~near] >= 2.0).all()
+
+
+def test_dense_samples_leave_out_only_obstacles_that_are_never_nearest():
+    scene, car, states = a_street(150), vehicle("paper"), straight().states
+    series = clearance_series(scene, car, states, np.arange(21.0))
+    exact = sampled.sampled_clearance(states, scene, car, far=np.inf)[:, 0]
+    assert np.allclose(series.clearance, exact.min(axis=1))
+    names = [name for name, _ in scene.obstacle_parts]
+    for row, name in zip(exact, series.obstacle, strict=True):
+        assert row[names.index(name)] == pytest.approx(row.min())

@@ -33,25 +33,47 @@ class Room:
     """How near a motion comes to everything, by interval.
 
     Attributes:
-        obstacles: Smallest sampled clearance, (N, parts, obstacle parts), m; a lower bound of what is far.
+        near: Which obstacle parts the motion may come near to, (n,).
+        clearances: Smallest sampled clearance of those, (N, parts, n), m.
+        far: A lower bound of the clearance of all others, infinite of those, (parts, obstacle parts), m.
         walls: Smallest sampled distance inside W's edges, (N, parts, edges), m.
     """
 
-    obstacles: Array
+    near: NDArray[np.intp]
+    clearances: Array
+    far: Array
     walls: Array
+
+    @property
+    def obstacles(self) -> Array:
+        """Smallest sampled clearance of all obstacle parts, (N, parts, obstacle parts), m; a lower bound of the far."""
+        dense = np.repeat(self.far[None], len(self.clearances), axis=0)
+        dense[:, :, self.near] = self.clearances
+        return dense
+
+    def within(self, reach: float) -> NDArray[np.bool_]:
+        """Where obstacle parts are nearer than ``reach`` (m), (N, parts, obstacle parts)."""
+        dense = np.repeat((self.far < reach)[None], len(self.clearances), axis=0)
+        dense[:, :, self.near] = self.clearances < reach
+        return dense
+
+    @property
+    def by_obstacles(self) -> Array:
+        """Smallest clearance of any obstacle on each interval, m, (N,)."""
+        nearest = self.clearances.min(axis=(1, 2), initial=np.inf)
+        return np.asarray(np.minimum(nearest, self.far.min(initial=np.inf)))
 
     @property
     def deepest(self) -> float:
         """Smallest clearance of obstacles and distance inside W, m."""
-        return float(min(self.obstacles.min(initial=np.inf), self.walls.min(initial=np.inf)))
+        return float(min(self.by_obstacles.min(), self.walls.min(initial=np.inf)))
 
     def spare(self, margin: float) -> Array:
         """How much nearer the motion might come on each interval, m, (N,); negative where it is too near.
 
         To obstacles the ``margin`` is demanded, to W's boundary nothing.
         """
-        obstacles = self.obstacles.min(axis=(1, 2), initial=np.inf)
-        return np.asarray(np.minimum(obstacles - margin, self.walls.min(axis=(1, 2), initial=np.inf)))
+        return np.asarray(np.minimum(self.by_obstacles - margin, self.walls.min(axis=(1, 2), initial=np.inf)))
 
     @classmethod
     def of_guess(cls, guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel) -> Room:
@@ -67,11 +89,14 @@ class Room:
 
     @classmethod
     def _of(cls, states: Array, per_interval: int, scenario: Scenario, vehicle: VehicleModel) -> Room:
-        near, apart, found = near_clearance(states, scenario, vehicle)
-        obstacles = np.empty(((len(states) - 1) // per_interval, *apart.shape))
-        obstacles[:] = apart
-        obstacles[:, :, near] = by_interval(found, per_interval)
-        return cls(obstacles, by_interval(sampled_room(states, scenario, vehicle), per_interval))
+        near, far, found = near_clearance(states, scenario, vehicle)
+        far[:, near] = np.inf
+        return cls(
+            near,
+            by_interval(found, per_interval),
+            far,
+            by_interval(sampled_room(states, scenario, vehicle), per_interval),
+        )
 
 
 def _subdivided(knots: Array, parts: int) -> Array:

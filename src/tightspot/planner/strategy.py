@@ -117,7 +117,7 @@ def _again(request: Request, last: Round, motion: Replay, room: Room) -> Step:
 
 def _is_astray(mesh: Mesh, room: Room) -> bool:
     """Whether the motion is deep inside something that was not in the problem."""
-    return bool((room.obstacles[~mesh.active] < -DEEP).any() or (room.walls[~mesh.walls] < -DEEP).any())
+    return bool((room.within(-DEEP) & ~mesh.active).any() or (room.walls[~mesh.walls] < -DEEP).any())
 
 
 def _with_what_was_missing(request: Request, last: Round, room: Room) -> Step:
@@ -175,8 +175,7 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
     else than clearance (the integration's defect on a coarse mesh), every interval is split.
     """
     room = Room.of_replay(motion, request.scenario, request.vehicle)
-    clear = room.obstacles
-    too_near = (clear < request.margin + mesh.extra / 2).any(axis=(1, 2)) | (room.walls < 0).any(axis=(1, 2))
+    too_near = (room.by_obstacles < request.margin + mesh.extra / 2) | (room.walls < 0).any(axis=(1, 2))
     short = np.asarray(too_near, bool)
     if any(check.name not in ABOUT_CLEARANCE for check in certificate.failed):
         short[:] = True
@@ -189,7 +188,7 @@ def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificat
     finer = near.cut(np.where(short, 2, 1)) if near.grid.steps + int(short.sum()) <= MOST_STEPS else near
     if number <= 3 and finer.grid.steps > mesh.grid.steps:
         return finer
-    deficit = request.margin - float(clear.min(initial=np.inf))
+    deficit = request.margin - float(room.by_obstacles.min())
     return replace(finer, extra=float(min(mesh.extra + np.clip(deficit / 2, 0.002, 0.02), LARGEST_EXTRA)))
 
 
@@ -200,9 +199,9 @@ def _within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
     all within the farthest of ``FAR`` in which there are not too many. For others those within ``REACH``, or all if
     they are few.
     """
-    near: NDArray[np.bool_] = room.obstacles < REACH
+    near = room.within(REACH)
     if isinstance(request.solver, Stagewise):
-        reaches = (room.obstacles < reach for reach in FAR)
+        reaches = (room.within(reach) for reach in FAR)
         return _with_neighbours(next((far for far in reaches if far.sum() <= MANY_PAIRS), near))
     return np.ones_like(near) if near.size <= FEW_PAIRS else _with_neighbours(near)
 
@@ -215,7 +214,7 @@ def _near(request: Request, room: Room) -> NDArray[np.bool_]:
     """
     if room.spare(request.margin).min() < -DEEP:
         return _within_reach(request, room)
-    return _within_reach(request, room) & _with_neighbours(room.obstacles < REACH)
+    return _within_reach(request, room) & _with_neighbours(room.within(REACH))
 
 
 def _walls_within_reach(request: Request, room: Room) -> NDArray[np.bool_]:

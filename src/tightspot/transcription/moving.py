@@ -32,7 +32,8 @@ class MotionArrays:
         times: t_ref, s, (M,).
         poses: At t_ref, (M, S, 3).
         slopes: Derivatives of the poses with respect to t_f, (M, S, 3).
-        extras: What is added to the demanded clearance, m, (N, parts, obstacle parts); see :func:`bulges`.
+        extras: What is added to the demanded clearance, m, (N, parts, obstacle parts); see :func:`bulges`. Empty if
+            nothing moves.
     """
 
     obstacles: NDArray[np.int64]
@@ -53,7 +54,7 @@ class MotionArrays:
         pieces = np.array(settings.pieces(grid.steps), np.int64)
         tables = [sampled(motion, grid, pieces) for motion in motions]
         samples = int(pieces.sum()) + grid.steps
-        extras = np.zeros((grid.steps, len(vehicle.parts), standing + len(motions)))
+        extras = np.zeros((grid.steps, len(vehicle.parts), standing + len(motions) if motions else 0))
         if settings.formulation.holds == "interval":
             for index, motion in enumerate(motions):
                 extras[:, :, standing + index] = bulges(vehicle, motion, settings.margin, grid, pieces)

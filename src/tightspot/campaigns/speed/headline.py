@@ -34,6 +34,7 @@ ASKED = {
     "slope_steps_solve": ("slope of the time of a whole solve over steps", "0.8 to 1.2"),
     "slope_obstacles": ("slope of time an iteration over obstacles in the program", "0.8 to 1.2"),
     "plan_growth_obstacles": ("whole plan, most obstacles over ten", "< 2"),
+    "plan_memory_growth_obstacles": ("memory of a whole plan, most obstacles over ten", "< 2"),
 }
 """Key to what it is and what is wanted of it."""
 
@@ -77,6 +78,7 @@ def headline(result: Mapping[str, Any]) -> dict[str, Any]:
         "slope_steps_solve": scaling["steps"]["slopes"]["seconds"],
         "slope_obstacles": scaling["obstacles"]["slopes"]["seconds_per_iteration"],
         "plan_growth_obstacles": scaling["obstacles"]["plan_growth"]["times"],
+        "plan_memory_growth_obstacles": scaling["obstacles"]["plan_growth"]["times_memory"],
     }
     many = result["best_of_many"]
     return figures | {

@@ -164,17 +164,21 @@ def _scaling(scaling: Mapping[str, Any]) -> list[str]:
             cells += [f"{1e3 * row['ipopt_seconds']:.0f}" if "ipopt_seconds" in row else "-"]
             cells += [f"{row['ratio']:.0f}" if "ratio" in row else "-"]
             cells += ["-" if row["megabytes"] is None else f"{row['megabytes']:.2f}", "yes" if row["success"] else "no"]
-            cells += [f"{1e3 * row['plan_seconds']:.0f}"] if what == "obstacles" else []
+            if what == "obstacles":
+                cells += [f"{1e3 * row['plan_seconds']:.1f}", f"{row['plan_megabytes']:.2f}"]
+                cells += [f"{1e3 * row['scene_seconds']:.1f}"]
             rows.append(cells)
         slopes = scaling[what]["slopes"]
         told = [f"{name.replace('_', ' ')} {_number(value)}" for name, value in slopes.items()]
-        lines += [*table([*header, *(["whole plan ms"] if what == "obstacles" else [])], rows), ""]
+        header += ["whole plan ms", "its MB", "scene ms"] if what == "obstacles" else []
+        lines += [*table(header, rows), ""]
         lines += [f"Slopes over {what} on logarithmic scales (1 is linear): {', '.join(told)}.", ""]
     growth = scaling["obstacles"]["plan_growth"]
     lines.append(
         f"A whole plan takes {growth['times']:.2f} times as long with {growth['to']} obstacles as with "
-        f"{growth['from']}. The solves of that table have every obstacle in the program on every interval; MB is the "
-        "memory of one solver."
+        f"{growth['from']}, and {growth['times_memory']:.2f} times the memory. The solves of that table have every "
+        "obstacle in the program on every interval; MB is the memory of one solver, that of a plan the largest that "
+        "Python and NumPy have in use beyond the scene. Making the scene from its corners is told beside it."
     )
     return lines
 

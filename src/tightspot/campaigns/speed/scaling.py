@@ -6,7 +6,9 @@ import ctypes
 import dataclasses
 import math
 import time
+import tracemalloc
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -91,13 +93,21 @@ def over_obstacles(
             except PlanningError:
                 pass
             times.append(time.process_time() - began)
-        rows.append(row | {"plan_seconds": float(np.median(times[1:])), "certified": certified == repeats + 1})
+        row |= {"plan_seconds": float(np.median(times[1:])), "plan_megabytes": _planning_megabytes(scenario)}
+        row |= {"scene_seconds": median_seconds(partial(made_anew, scenario), repeats)}
+        rows.append(row | {"certified": certified == repeats + 1})
     few = next((row for row in rows if row["obstacles"] >= 10), rows[0])
     grown = rows[-1]["plan_seconds"] / few["plan_seconds"]
+    memory = rows[-1]["plan_megabytes"] / few["plan_megabytes"]
     return {
         "rows": rows,
         "slopes": _slopes([row for row in rows if row["obstacles"] >= 10], "obstacles"),
-        "plan_growth": {"from": few["obstacles"], "to": rows[-1]["obstacles"], "times": grown},
+        "plan_growth": {
+            "from": few["obstacles"],
+            "to": rows[-1]["obstacles"],
+            "times": grown,
+            "times_memory": memory,
+        },
     }
 
 
@@ -116,6 +126,26 @@ def crowded(count: int) -> Scenario:
     wall = Obstacle("wall", np.array([(15.0, -8.0), (16.0, -8.0), (16.0, 8.0), (15.0, 8.0)]))
     obstacles = (*base.obstacles[:2], *([wall] if count > 2 else []), *extra)[:count]
     return dataclasses.replace(base, name=f"vertical with {count}", workspace=workspace, obstacles=obstacles)
+
+
+def made_anew(scenario: Scenario) -> Scenario:
+    """The same scene from its corners, with all that a planner wants to know of the obstacles."""
+    obstacles = tuple(Obstacle(obstacle.name, obstacle.exterior) for obstacle in scenario.obstacles)
+    scene = dataclasses.replace(scenario, obstacles=obstacles)
+    scene.obstacle_polygons.box_distances(scene.start[None, :2])
+    return scene
+
+
+def _planning_megabytes(scenario: Scenario) -> float:
+    """Largest memory that Python and NumPy have in use while a plan is made beyond what they had before, 10^6 bytes."""
+    tracemalloc.start()
+    try:
+        plan(scenario, vehicle=car())
+        return tracemalloc.get_traced_memory()[1] / 1e6
+    except PlanningError:
+        return float("nan")
+    finally:
+        tracemalloc.stop()
 
 
 def rounded(corners: NDArray[np.float64], count: int) -> NDArray[np.float64]:
