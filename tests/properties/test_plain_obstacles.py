@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tightspot.errors import GeometryError
@@ -39,7 +39,8 @@ def drawn_rings(draw: st.DrawFn) -> np.ndarray:
 @given(drawn_rings())
 def test_an_obvious_ring_is_the_cleaned_one(corners):
     obvious = rings.clean_convex_ring(corners)
-    assume(obvious is not None)
+    if obvious is None:
+        return
     ring = clean_ring(corners)
     assert np.array_equal(obvious, ring.vertices)
     assert is_convex(ring.vertices)
