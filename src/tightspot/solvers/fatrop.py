@@ -28,7 +28,7 @@ from tightspot.solvers.base import (
 )
 from tightspot.solvers.built import built
 from tightspot.solvers.compiled import library, write_functions
-from tightspot.solvers.functions import complementarity, lagrangian_gradient, text_of, values
+from tightspot.solvers.functions import complementarity, lagrangian_gradient, relative_stationarity, text_of, values
 from tightspot.solvers.nlp import Nlp
 from tightspot.solvers.remote import Outcome, solve_elsewhere
 from tightspot.solvers.stage_form import StageForm, stage_form
@@ -133,7 +133,7 @@ class Fatrop(Solver):
         objective, g = values(nlp, x)
         worst, violation = nlp.worst(x, g)
         scale = max(1.0, np.abs(lam_g).max(initial=0.0))
-        stationarity = float(np.abs(lagrangian_gradient(nlp, x, lam_g) + lam_x).max(initial=0.0) / scale)
+        stationarity = relative_stationarity(lagrangian_gradient(nlp, x, lam_g), lam_x, lam_g)
         status = outcome.status
         if status is None:
             with np.errstate(invalid="ignore"):

@@ -42,6 +42,12 @@ def lagrangian_gradient(nlp: Nlp, x: Array, lam_g: Array) -> Array:
         return np.array(function(x, nlp.p0, lam_g), float).ravel()
 
 
+def relative_stationarity(gradient: Array, lam_x: Array, lam_g: Array) -> float:
+    """Largest entry of ``grad f + J^T lam_g + lam_x`` relative to ``max(1, max |lam_g|)``; may be NaN."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return float(np.abs(gradient + lam_x).max(initial=0.0) / max(1.0, np.abs(lam_g).max(initial=0.0)))
+
+
 def upheld(facts: Array, tolerance: float) -> bool:
     """Whether a back end's word that it has solved a program may stand.
 

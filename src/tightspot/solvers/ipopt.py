@@ -23,7 +23,7 @@ from tightspot.solvers.base import (
 )
 from tightspot.solvers.built import built
 from tightspot.solvers.compiled import library, write_functions
-from tightspot.solvers.functions import text_of, upheld
+from tightspot.solvers.functions import relative_stationarity, text_of, upheld
 from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
 from tightspot.solvers.watcher import Watcher
@@ -207,8 +207,9 @@ def _arguments(nlp: Nlp, warm: WarmStart | None) -> dict[str, Any]:
 
 def _stationarity(function: Any, nlp: Nlp, x: Array, lam_x: Array, lam_g: Array) -> float:
     """Largest absolute entry of ``grad f + J^T lam_g + lam_x`` at x, relative to ``max(1, max|lam|)``."""
-    gradient = np.array(function.get_function("nlp_grad_f")(x, nlp.p0)[1]).ravel() + lam_x
+    gradient = np.array(function.get_function("nlp_grad_f")(x, nlp.p0)[1]).ravel()
     if lam_g.size:
         jacobian = function.get_function("nlp_jac_g")(x, nlp.p0)[1]
-        gradient = gradient + np.array(ca.mtimes(jacobian.T, lam_g)).ravel()
-    return float(np.abs(gradient).max() / max(1.0, np.abs(lam_g).max(initial=0.0)))
+        with np.errstate(invalid="ignore", over="ignore"):
+            gradient = gradient + np.array(ca.mtimes(jacobian.T, lam_g)).ravel()
+    return relative_stationarity(gradient, lam_x, lam_g)

@@ -23,7 +23,7 @@ from tightspot.solvers.base import (
     limit_problems,
 )
 from tightspot.solvers.built import built
-from tightspot.solvers.functions import lagrangian_gradient, text_of, upheld, values
+from tightspot.solvers.functions import lagrangian_gradient, relative_stationarity, text_of, upheld, values
 from tightspot.solvers.nlp import Nlp
 from tightspot.solvers.remote import solve_elsewhere
 
@@ -140,7 +140,7 @@ class Sqp(Solver):
             lam_g=lam_g,
             iterations=int(answer["iterations"]),
             violation=violation,
-            stationarity=float(np.abs(gradient + lam_x).max() / max(1.0, np.abs(lam_g).max(initial=0.0))),
+            stationarity=relative_stationarity(gradient, lam_x, lam_g),
             worst=worst,
             timings=timings,
             backend_status=answer["word"],
