@@ -66,6 +66,7 @@ CASES = [
     *((member, {"seed": 5, "car": "forklift", "steps": 2}) for member in (UnitNormalLine, SweptUnitNormalLine)),
     (SweptLine, {"seed": 6, "final_time": 7.0}),
     (SeparatingLine, {"seed": 7, "steps": 5}),
+    (SweptLine, {"seed": 8, "poses": (0, 2, 1)}),
 ]
 
 

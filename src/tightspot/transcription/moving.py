@@ -55,9 +55,10 @@ class MotionArrays:
         tables = [sampled(motion, grid, pieces) for motion in motions]
         samples = int(pieces.sum()) + grid.steps
         extras = np.zeros((grid.steps, len(vehicle.parts), standing + len(motions) if motions else 0))
-        if settings.formulation.holds == "interval":
-            for index, motion in enumerate(motions):
-                extras[:, :, standing + index] = bulges(vehicle, motion, settings.margin, grid, pieces)
+        whole = np.array(settings.whole(grid.steps))
+        for index, motion in enumerate(motions):
+            extra = bulges(vehicle, motion, settings.margin, grid, pieces)
+            extras[:, :, standing + index] = np.where(whole[:, None], extra, 0.0)
         return cls(
             np.arange(standing, standing + len(motions), dtype=np.int64),
             np.array([motion.final_time for motion in motions], float),
