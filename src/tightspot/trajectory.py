@@ -59,8 +59,9 @@ class Trajectory:
         for field in ("t", "states", "inputs"):
             if not np.isfinite(getattr(self, field)).all():
                 raise InputError(Problem(field, "contains a number that is not finite; remove or repair it"))
-        if (np.diff(self.t) <= 0).any():
-            k = int(np.argmax(np.diff(self.t) <= 0))
+        backwards = self.t[1:] <= self.t[:-1]
+        if backwards.any():
+            k = int(np.argmax(backwards))
             raise InputError(
                 Problem(f"t[{k + 1}]", f"{self.t[k + 1]:g} s does not come after {self.t[k]:g} s; times must increase")
             )

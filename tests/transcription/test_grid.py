@@ -25,6 +25,18 @@ def test_splitting_cuts_the_named_intervals_only():
     np.testing.assert_array_equal(TimeGrid.uniform(2).split(1).fractions, [0, 0.5, 0.75, 1])
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_each_interval_is_cut_into_equal_pieces(seed):
+    rng = np.random.default_rng(seed)
+    fractions = np.concatenate([[0.0], np.sort(rng.uniform(0.01, 0.99, 9)), [1.0]])
+    pieces = rng.integers(1, 6, 10)
+    cut = TimeGrid(fractions).cut(pieces).fractions
+    ends = zip(fractions[:-1], fractions[1:], pieces, strict=True)
+    expected = [np.linspace(before, after, count + 1)[:-1] for before, after, count in ends]
+    np.testing.assert_allclose(cut, [*np.concatenate(expected), 1.0], rtol=0, atol=1e-15)
+    assert set(fractions) <= set(cut), "the old knots stay where they are"
+
+
 def test_split_grids_still_end_at_one_exactly():
     grid = TimeGrid.uniform(7)
     for _ in range(5):

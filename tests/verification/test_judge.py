@@ -256,3 +256,13 @@ def test_dense_series_names_the_nearest_parts(kit, there_and_back):
     assert series.clearance == pytest.approx(expected, abs=1e-6)
     assert series.t[series.worst] == pytest.approx(6)
     assert series.workspace[0] == pytest.approx(29, abs=1e-6)
+
+
+def test_a_known_replay_changes_nothing_in_the_certificate(kit):
+    car = kit.box_car()
+    trajectory = kit.wander(car, seed=3)
+    scenario = kit.scene(trajectory, kit.boxes(3, 12, (-15, -15), (15, 15)))
+    alone = verify(scenario, car, trajectory, margin=0.01)
+    other = replay(car, kit.wander(car, seed=4))
+    for known in (replay(car, trajectory), other):
+        assert verify(scenario, car, trajectory, margin=0.01, known=known).to_dict() == alone.to_dict()

@@ -1,6 +1,7 @@
 """The replay against closed forms, its own convergence order and a far finer integration."""
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -131,3 +132,36 @@ def test_the_cascade_names_every_state_once_and_looks_back_only() -> None:
             before, after = (car.dynamics(list(at), control, np) for at in (state, moved))
             assert all(before[i] == after[i] for i in group)
         known |= set(group)
+
+
+@pytest.mark.parametrize("in_core", [True, False])
+def test_a_known_replay_of_the_same_motion_is_not_integrated_again(kit, in_core):
+    car = kit.box_car()
+    trajectory = kit.wander(car, seed=1)
+    known = replay(car, trajectory, in_core=in_core)
+    played = replay(car, replace(trajectory, states=known.knots), in_core=in_core, known=known)
+    assert played.node_states is known.node_states
+    assert played.defect == (0.0, 0.0), "the knots that are compared with the motion are the new ones"
+
+
+def test_a_known_replay_of_something_else_is_not_believed(kit):
+    car = kit.box_car()
+    trajectory = kit.wander(car, seed=1)
+    known = replay(car, trajectory)
+    first = trajectory.states.copy()
+    first[0, 0] += 1e-12
+    later = np.append(trajectory.t[:-1], trajectory.t[-1] + 1e-9)
+    others = {
+        "vehicle": (kit.box_car(wheelbase=3.0), trajectory, {}),
+        "start": (car, replace(trajectory, states=first), {}),
+        "inputs": (car, replace(trajectory, inputs=0.999 * trajectory.inputs), {}),
+        "times": (car, replace(trajectory, t=later), {}),
+        "tolerance": (car, trajectory, {"tolerance": 1e-9}),
+        "first step": (car, trajectory, {"first_step": 0.1}),
+        "in NumPy": (car, trajectory, {"in_core": False}),
+    }
+    for name, (of, driven, options) in others.items():
+        alone, played = replay(of, driven, **options), replay(of, driven, known=known, **options)
+        assert played.node_states is not known.node_states, name
+        np.testing.assert_array_equal(played.node_states, alone.node_states, err_msg=name)
+        assert played.position_error == alone.position_error, name

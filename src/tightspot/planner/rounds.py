@@ -280,10 +280,15 @@ def _judged(
 
 def _trajectory(request: Request, step: Step, program: Callable[[], Transcription], report: SolveReport) -> Trajectory:
     if not isinstance(report, StageReport) or report.states is None or report.inputs is None:
-        return program().trajectory(np.nan_to_num(report.x))
-    t = np.nan_to_num(report.final_time, nan=1.0) * step.mesh.grid.fractions
+        return program().trajectory(_finite(report.x))
+    t = (report.final_time if np.isfinite(report.final_time) else 1.0) * step.mesh.grid.fractions
     names = request.vehicle.state_names, request.vehicle.input_names
-    return Trajectory(t, np.nan_to_num(report.states), np.nan_to_num(report.inputs), *names)
+    return Trajectory(t, _finite(report.states), _finite(report.inputs), *names)
+
+
+def _finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of a solve that went astray what can be put into numbers."""
+    return values if np.isfinite(values).all() else np.nan_to_num(values)
 
 
 def _within_bounds(states: NDArray[np.float64], request: Request) -> NDArray[np.float64]:

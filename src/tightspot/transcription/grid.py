@@ -63,8 +63,9 @@ class TimeGrid:
         counts = np.asarray(pieces, int)
         if counts.shape != (self.steps,) or (counts < 1).any():
             raise InputError(Problem("pieces", f"must be {self.steps} numbers, one an interval, 1 or more each"))
-        knots = [
-            np.linspace(before, after, count + 1)[1:]
-            for before, after, count in zip(self.fractions[:-1], self.fractions[1:], counts, strict=True)
-        ]
-        return TimeGrid(np.concatenate([self.fractions[:1], *knots]))
+        last = np.cumsum(counts)
+        number = np.arange(1, last[-1] + 1) - np.repeat(last - counts, counts)
+        fractions = np.zeros(last[-1] + 1)
+        fractions[1:] = np.repeat(self.fractions[:-1], counts) + number * np.repeat(self.widths / counts, counts)
+        fractions[last] = self.fractions[1:]
+        return TimeGrid(fractions)

@@ -13,15 +13,23 @@ Array = NDArray[np.float64]
 
 def states_at(guess: Trajectory, t: Array) -> Array:
     """States at times t by linear interpolation between the guess's knots, (len(t), n_x)."""
-    return np.column_stack([np.interp(t, guess.t, column) for column in guess.states.T])
+    return _interpolated(t, guess.t, guess.states)
 
 
 def inputs_on(guess: Trajectory, t: Array) -> Array:
     """Mean inputs on the intervals between the times t, (len(t) - 1, n_u)."""
-    widths = np.diff(guess.t)[:, None]
-    integral = np.vstack([np.zeros(guess.inputs.shape[1]), np.cumsum(guess.inputs * widths, axis=0)])
-    at_t = np.column_stack([np.interp(t, guess.t, column) for column in integral.T])
+    integral = np.zeros((guess.t.size, guess.inputs.shape[1]))
+    np.cumsum(guess.inputs * np.diff(guess.t)[:, None], axis=0, out=integral[1:])
+    at_t = _interpolated(t, guess.t, integral)
     return np.asarray(np.diff(at_t, axis=0) / np.diff(t)[:, None])
+
+
+def _interpolated(t: Array, knots: Array, values: Array) -> Array:
+    """Each column of the values at the knots (K, n), linearly interpolated at times t, (len(t), n)."""
+    found = np.empty((len(t), values.shape[1]))
+    for i, column in enumerate(values.T):
+        found[:, i] = np.interp(t, knots, column)
+    return found
 
 
 def resample(guess: Trajectory, grid: TimeGrid) -> Trajectory:

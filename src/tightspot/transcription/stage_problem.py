@@ -132,7 +132,9 @@ def _arrays(
     pair_sides = np.ascontiguousarray(sides[pairs[:, 0]])
     pair_sides[: extras.size, 0] += extras
     soft = isinstance(settings.formulation, _SOFT)
-    penalties = np.column_stack([np.zeros(len(pairs)), settings.penalty_weight * grid.widths[pairs[:, 0]]])
+    penalties = np.full((len(pairs), 2), np.nan)
+    if soft:
+        penalties[:, 0], penalties[:, 1] = 0.0, settings.penalty_weight * grid.widths[pairs[:, 0]]
     return StageProblem(
         model="single_track",
         parameters=np.array([vehicle.wheelbase, steering, np.tan(steering)]),
@@ -158,7 +160,7 @@ def _arrays(
         pairs=pairs,
         pair_origins=lines.origins,
         pair_sides=pair_sides,
-        pair_penalties=penalties if soft else np.full((len(pairs), 2), np.nan),
+        pair_penalties=penalties,
         walls=np.ascontiguousarray(wall_indices[:, :2]),
         wall_lines=np.column_stack([scenario.workspace.A[edges], scenario.workspace.b[edges]]),
         pair_demands=pair_demands,

@@ -63,7 +63,8 @@ class Settings:
     heading_limit: float = np.inf
 
     def __post_init__(self) -> None:
-        counts = {"substeps": (self.substeps, 1), "poses": (min(np.atleast_1d(self.poses), default=-1), 0)}
+        poses = (self.poses,) if isinstance(self.poses, int) else self.poses
+        counts = {"substeps": (self.substeps, 1), "poses": (min(poses, default=-1), 0)}
         problems = [
             Problem(name, f"{count} must be at least {least}")
             for name, (count, least) in counts.items()

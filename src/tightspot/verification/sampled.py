@@ -83,4 +83,7 @@ def sampled_room(states: Array, scenario: Scenario, vehicle: VehicleModel) -> Ar
 def _poses(states: Array, vehicle: VehicleModel) -> list[Array]:
     """Of every body part's frame at the states, each (M, 3)."""
     frames = vehicle.frames(list(states.T), np)
-    return [np.column_stack(np.broadcast_arrays(*frames[part.frame])) for part in vehicle.parts]
+    poses = np.empty((len(vehicle.parts), len(states), 3))
+    for part, places in zip(vehicle.parts, poses, strict=True):
+        places[:, 0], places[:, 1], places[:, 2] = frames[part.frame]
+    return list(poses)
