@@ -8,9 +8,9 @@ replay, intervals added where it comes near. On that mesh both are solved altern
 margin, tolerance (1e-8) and solver, from the same start:
 
 - ``plan``: as the planner solves its last round, from its solution at the knots of the coarser mesh, whose lines are
-  carried over, with the pairs and edges of W that are near;
+  carried over, with the pairs and edges of W that are near, and rows between the knots where it asks for them;
 - ``all pairs``: the same with every pair and every edge of W on every interval;
-- ``guess``: from the hybrid A* guess, with every pair and edge;
+- ``guess``: from the hybrid A* guess, with every pair and edge, and rows between the knots on every interval;
 - ``plan, IPOPT`` and ``guess, IPOPT``: by IPOPT.
 
 Times are the fastest of the runs. Clearances are the independent judge's: the replayed motion, all times.
@@ -80,7 +80,8 @@ def measure(scene: str, margin: float, runs: int, ipopt: bool = True) -> list[Ro
         raise RuntimeError(f"no guess for {scene}")
     planned = _last_step(request, guess)
     full = replace(planned.mesh, active=np.ones_like(planned.mesh.active), walls=np.ones_like(planned.mesh.walls))
-    starts = {"plan": planned, "all pairs": replace(planned, mesh=full), "guess": _cold(full, guess)}
+    whole = replace(full, poses=tuple(max(count, 1) for count in full.poses))
+    starts = {"plan": planned, "all pairs": replace(planned, mesh=full), "guess": _cold(whole, guess)}
     asked = dict.fromkeys(starts, request)
     counts = dict.fromkeys(starts, runs)
     if ipopt:
