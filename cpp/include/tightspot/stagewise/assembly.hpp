@@ -7,6 +7,7 @@
 
 #include "tightspot/stagewise/chain.hpp"
 #include "tightspot/stagewise/covers.hpp"
+#include "tightspot/stagewise/line_fit.hpp"
 #include "tightspot/stagewise/row_quadratic.hpp"
 #include "tightspot/stagewise/views.hpp"
 
@@ -61,6 +62,35 @@ class Assembly {
         views_.evaluate(v[layout_.time], out.poses);
         over_rows([&](auto P, const RowGroup& group) { row_values<decltype(P)>(context(), group, v, out); });
         out.objective = objective(v);
+    }
+
+    // The rows of one group of pairs, when its lines have changed and the poses have not.
+    void evaluate_lines(const RowGroup& group, const double* v, Values<Model>& out) const {
+        if (group.width == lanes)
+            row_values<Pack>(context(), group, v, out);
+        else
+            row_values<double>(context(), group, v, out);
+    }
+
+    // The points that the line in lane l of a group of pairs separates at the poses of `at`, relative to its origin.
+    void read_points(const RowGroup& group, int l, const Values<Model>& at, LineFit& out) const {
+        const double* numbers = rows.numbers.data() + group.number + l;
+        const auto number = [&](int i) { return numbers[i * group.width]; };
+        const int parts = problem_.parts.size();
+        const double cover = group.covered ? at.covers[rows.intervals[group.line + l] * parts + group.part] : 0.0;
+        out.clear();
+        for (int j = 0; j < group.corners; ++j)
+            out.add_obstacle(number(4 + 2 * j), number(5 + 2 * j), number(2) + number(3) * cover);
+        for (int s = 0; s < group.samples; ++s) {
+            const double* pose = at.poses.data() + at.pose * rows.samples[group.sample + s * group.width + l];
+            const double x = pose[0] - number(0), y = pose[1] - number(1), cosine = pose[2], sine = pose[3];
+            const int constant = 4 + 2 * (group.corners + s);
+            const double demand = number(constant) + number(constant + 1) * cover;
+            for (int i = problem_.parts.first[group.part]; i < problem_.parts.first[group.part + 1]; ++i) {
+                const double right = problem_.parts.x[i], left = problem_.parts.y[i];
+                out.add_body(x + cosine * right - sine * left, y + sine * right + cosine * left, demand);
+            }
+        }
     }
 
     // First derivatives of motion and covers.

@@ -10,6 +10,7 @@
 
 #include "tightspot/stagewise/audit.hpp"
 #include "tightspot/stagewise/filter.hpp"
+#include "tightspot/stagewise/fitted_lines.hpp"
 #include "tightspot/stagewise/newton.hpp"
 
 namespace tightspot::stagewise {
@@ -25,12 +26,15 @@ class InteriorPoint : public Newton<Model> {
     using Pace = typename Base::Pace;
     static constexpr double first_regularisation = 0.3;  // keeps the first steps short; falls threefold each iteration
     static constexpr double little_less = 0.99;
+    static constexpr double short_step = 0.2, worthwhile = 1.5;  // see fitting_search
+    static constexpr int fitting_trials = 6;
+    static constexpr double usual_rows = 1000;  // see share_of_rows
     static constexpr int patience = 60;  // iterations without progress: in optimality, or towards feasibility
     static constexpr double infeasible_violation = 1e-4;
     static constexpr double smallest_barrier_of_tolerance = 0.1;
 
    public:
-    explicit InteriorPoint(Problem problem) : Base(std::move(problem)), filter_(500) {
+    explicit InteriorPoint(Problem problem) : Base(std::move(problem)), filter_(500), lines_(problem_, assembly_) {
         for (Point* other : {&trial_, &step_, &other_}) other->allocate(layout_, bounds_.size());
         assembly_.allocate(trial_values_);
         corrected_rows_.assign(layout_.rows, 0), corrected_goal_.assign(S::nx, 0);
@@ -144,7 +148,7 @@ class InteriorPoint : public Newton<Model> {
     // they may become, and all rows are given way to before any.
     double first_barrier() const {
         const std::size_t soft = layout_.soft_pairs.size();
-        if (soft == 0) return std::clamp(values_.objective, 1e-6, 1e-2);
+        if (soft == 0) return share_of_rows() * std::clamp(values_.objective, 1e-6, 1e-2);
         double sum = 0;
         for (std::size_t j = 0; j < soft; ++j) sum += assembly_.penalty(j).at(point.v[layout_.time]);
         return std::max(0.1 * sum / static_cast<double>(soft), 1e-6);
@@ -159,6 +163,13 @@ class InteriorPoint : public Newton<Model> {
         return bound.side > 0 ? problem_.input_high[input] : problem_.input_low[input];
     }
 
+    // The barrier is a sum over rows, the objective is not: with more rows, each of them must weigh less, or the path is
+    // pushed to where all obstacles are far before the objective is heard. Penalties of soft pairs are sums, too.
+    double share_of_rows() const {
+        if (!layout_.soft_pairs.empty()) return 1;
+        return std::min(1.0, usual_rows / static_cast<double>(point.s.size() + bounds_.size()));
+    }
+
     // Free mode, LOQO's rule (Vanderbei and Shanno 1999): a share of the mean complementarity, less the more alike all
     // products are, more if the smallest lags behind; never far below what stationarity calls for.
     void update_barrier(int iteration) {
@@ -168,7 +179,7 @@ class InteriorPoint : public Newton<Model> {
         const double evenness = std::max(least / mean, 1e-4);
         const double lag = std::min(0.05 * (1 - evenness) / evenness, 2.0);
         double wanted = std::max(0.04 * lag * lag * lag * mean, 1e-2 * mean);
-        wanted = std::max(wanted, std::min(mu_, 5e-3 * stationarity_));
+        wanted = std::max(wanted, std::min(mu_, 5e-3 * share_of_rows() * stationarity_));
         wanted = std::clamp(wanted, smallest_barrier_of_tolerance * options_.tolerance, 10 * mu_);
         if (wanted == mu_) return;
         mu_ = wanted;
@@ -290,6 +301,8 @@ class InteriorPoint : public Newton<Model> {
             smallest *= 0.05;
         }
         smallest = std::max(smallest, 1e-9);
+        if (fitting_search(from, descent, record)) return true;
+        lines_.clear();
         alpha_ = longest(pace_.primal), dual_alpha_ = longest(pace_.dual);
         for (bool first = true; alpha_ > smallest; alpha_ *= 0.5, first = false) {
             ++record.trials;
@@ -299,6 +312,29 @@ class InteriorPoint : public Newton<Model> {
                 verdict = corrected(from, descent);
             if (!verdict.accepted) continue;
             if (verdict.augments) filter_.add(from);
+            return true;
+        }
+        return false;
+    }
+
+    // Longer steps than lines allow. A line can turn by half a circle at most, but a linear model of its rows turns it on
+    // and on with the vehicle, so that one line of hundreds stops all. Where that makes the step short, those lines are
+    // fitted to the poses reached instead: no line appears in the objective, so for given poses it is the barrier's alone.
+    bool fitting_search(const Merit& from, double descent, Record& record) {
+        const double stopped = longest(pace_.primal);
+        if (stopped > short_step) return false;
+        alpha_ = longest(lines_.rates(point, step_).primal);
+        for (int trial = 0; trial < fitting_trials && alpha_ > worthwhile * stopped; ++trial, alpha_ *= 0.5) {
+            ++record.trials;
+            make_trial(alpha_, step_);
+            const double limit = boundary_fraction() / alpha_;
+            if (!lines_.fit(limit, point, trial_, trial_values_, layout_)) continue;
+            set_goal_residual(trial_.v.data(), corrected_goal_);
+            const Merit reached = merit(trial_, trial_values_, corrected_goal_);
+            const Acceptance verdict = accept(filter_, from, reached, descent, alpha_, small_violation_, large_violation_);
+            if (!verdict.accepted) continue;
+            if (verdict.augments) filter_.add(from);
+            dual_alpha_ = longest(lines_.dual_rate(limit));
             return true;
         }
         return false;
@@ -337,9 +373,11 @@ class InteriorPoint : public Newton<Model> {
             });
         };
         move(point.s, step_.z, point.z), move(point.sb, step_.zb, point.zb);
+        lines_.over_rows([&](int row) { point.z[row] = mu_ / point.s[row]; });
     }
 
     Filter filter_;
+    FittedLines<Model> lines_;
     Options options_;
     Point trial_, step_, other_;
     Pace pace_;  // of step_

@@ -29,6 +29,7 @@ inline LineInverse<P> invert_line(P a, P b, P d) {
 template <class Model>
 class Sweep {
     using S = Sizes<Model>;
+    static constexpr double usual_steps = 20;
     static constexpr int nx = S::nx, nu = S::nu, nz = S::nz, na = S::na, nw = S::nw;
 
    public:
@@ -37,22 +38,24 @@ class Sweep {
           softened_(assembly.penetrations.size()), penetration_inverses_(assembly.penetrations.size()),
           gradient_(problem.steps * nw), inverses_(3 * assembly.rows.intervals.size()), eliminated_(6 * problem.steps) {}
 
-    // False if the reduced Hessian, with `regularisation` added to its diagonal, is not positive definite.
+    // False if the reduced Hessian, with `regularisation` added to its diagonal, is not positive definite. Shorter intervals
+    // get less of it, as they have less of the objective.
     bool factor(const Assembly<Model>& assembly, double regularisation, double goal_penalty) {
         double P[nz * na] = {};
         for (int i = 0; i < nx; ++i)
-            P[i * (na + 1)] = regularisation + (std::isnan(problem_.goal[i]) ? 0 : goal_penalty);
+            P[i * (na + 1)] = share(problem_.steps - 1) * regularisation + (std::isnan(problem_.goal[i]) ? 0 : goal_penalty);
         eliminate_uncoupled(assembly);
         for (int k = problem_.steps - 1; k >= 0; --k) {
             const double* F = assembly.sensitivities.end.data() + k * nx * na;
+            const double own = share(k) * regularisation;
             bool done;
             if (assembly.coupled(k)) {
                 StageQuadratic<Model> stage = assembly.stages[k];
                 eliminate_lines(assembly, k, stage);
-                done = factors_[k].template back<true>(stage, nullptr, F, regularisation, P);
+                done = factors_[k].template back<true>(stage, nullptr, F, own, P);
             } else {
                 const double* pose = eliminated_.data() + 6 * k;
-                done = factors_[k].template back<false>(assembly.stages[k], pose, F, regularisation, P);
+                done = factors_[k].template back<false>(assembly.stages[k], pose, F, own, P);
             }
             if (!done) return false;
         }
@@ -92,6 +95,8 @@ class Sweep {
     }
 
    private:
+    double share(int k) const { return usual_steps * problem_.widths[k]; }
+
     // Groups of lines that only x_{k+1} matters to, with their packs.
     template <class Body>
     static void over_uncoupled(const Assembly<Model>& assembly, Body&& body) {
