@@ -180,10 +180,10 @@ def run_round(
     mesh = step.mesh
     pairs = int(mesh.active.sum())
     progress(Progress("solve", f"{mesh.grid.steps} intervals, {pairs} pairs of parts near each other", number))
-    settings = _settings(request, mesh)
 
     @cache
     def program(formulation: Formulation) -> Transcription:
+        settings = _settings(request, mesh)
         arguments = request.scenario, request.vehicle, step.start, replace(settings, formulation=formulation)
         return transcribe(*arguments, grid=mesh.grid, active=mesh.active, walls=mesh.walls)
 

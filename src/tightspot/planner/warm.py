@@ -11,12 +11,11 @@ from tightspot.planner.progress import Progress, ProgressCallback
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round, Step, problem_of, run_round
 from tightspot.planner.strategy import next_step
-from tightspot.solvers import Iteration, IterationCallback, StageProblem, StageReport, Stagewise
-from tightspot.solvers.stagewise import core_solver
+from tightspot.solvers import Iteration, IterationCallback, StagePoint, StageProblem, StageReport, Stagewise
+from tightspot.solvers.stagewise import WARM_ITERATIONS, core_solver
 from tightspot.transcription import carry_lines, moved_ends
 
 MOST_ROUNDS = 3
-MOST_ITERATIONS = 50
 
 
 class KeptCore:
@@ -75,9 +74,10 @@ def _solved_again(
     if problem is None:
         step = Step(last.mesh, last.trajectory, "warm", "from the last plan", last)
         problem = carry_lines(last.mesh.grid, report, problem_of(request, step))
-    most = min(solver.max_iterations, MOST_ITERATIONS)
-    quick = replace(solver, robust=False, max_iterations=most, time_limit=min(solver.time_limit, max(seconds, 1e-3)))
-    point = replace(report.point, v=problem.starting_point())
+    most, limit = min(solver.max_iterations, WARM_ITERATIONS), min(solver.time_limit, max(seconds, 1e-3))
+    quick = Stagewise(solver.tolerance, most, limit, solver.initial_barrier, robust=False)
+    old = report.point
+    point = StagePoint(problem.starting_point(), old.s, old.z, old.zb, old.lam, old.nu)
     return quick.solve_stages(problem, warm=point, callback=watch, core=core.of(problem))
 
 

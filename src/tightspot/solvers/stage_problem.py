@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,6 @@ from tightspot.geometry.transforms import seen_from
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-_ENDS_AND_POINT = frozenset({"start", "goal", "states", "inputs", "final_time", "lines", "penetrations"})
 
 
 @dataclass(frozen=True)
@@ -184,14 +183,14 @@ class StageProblem:
         return poses
 
     def _shifted(self, lines: Array, sign: float) -> Array:
-        phi, mu = lines.T
-        along = np.cos(phi) * self.pair_origins[:, 0] + np.sin(phi) * self.pair_origins[:, 1]
-        return np.column_stack([phi, mu + sign * along])
+        phi, origins = lines[:, 0], self.pair_origins
+        shifted = np.array(lines, float)
+        shifted[:, 1] += sign * (np.cos(phi) * origins[:, 0] + np.sin(phi) * origins[:, 1])
+        return shifted
 
     def differs_in_ends_only(self, other: StageProblem) -> bool:
         """True if all arrays but start, goal and the starting point are the very same objects in both."""
-        same = [name for name in self.__dataclass_fields__ if name not in _ENDS_AND_POINT]
-        return all(getattr(self, name) is getattr(other, name) for name in same)
+        return all(mine is others for mine, others in zip(_REST(self), _REST(other), strict=True))
 
     def with_pairs(self, chosen: slice | NDArray[np.bool_]) -> StageProblem:
         """With the chosen ones of the pairs only."""
@@ -208,3 +207,7 @@ class StageProblem:
         """A copy with other arrays."""
         fields = {name: getattr(self, name) for name in self.__dataclass_fields__}
         return StageProblem(**(fields | changes))
+
+
+_ENDS_AND_POINT = {"start", "goal", "states", "inputs", "final_time", "lines", "penetrations"}
+_REST = attrgetter(*(one.name for one in fields(StageProblem) if one.name not in _ENDS_AND_POINT))

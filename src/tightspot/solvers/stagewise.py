@@ -56,6 +56,7 @@ WARM_ITERATIONS = 50
 """A warm start that takes longer was a bad one."""
 AT_ONCE = 64
 """Problems that each thread of a batch is given at a time; between them, Python is told of Ctrl-C."""
+ROUNDING = 1e-9
 _LAZY = ("x", "g", "lam_x", "lam_g", "worst")
 
 
@@ -101,6 +102,7 @@ class StageReport(SolveReport):
     """A :class:`SolveReport` whose vectors are in the order of the Nlp that says the same, and the stagewise ones.
 
     The solver's reports compute ``x``, ``g``, ``lam_x``, ``lam_g`` and ``worst`` when they are first asked for.
+    ``worst`` is empty if nothing is violated by more than 1e-9.
 
     Attributes:
         problem: What was solved.
@@ -140,7 +142,7 @@ class StageReport(SolveReport):
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             with np.errstate(invalid="ignore", over="ignore"):
                 if name == "worst":
-                    found = {"worst": _worst(problem, core, self.states, self.inputs, self.final_time)}
+                    found = {"worst": "" if self.violation <= ROUNDING else _worst(problem, core)}
                 else:
                     found = order_of(problem).point(core)._asdict()
             self.__dict__.update(found)
@@ -261,8 +263,8 @@ class Stagewise(Solver):
     def _warm(
         self, problem: StageProblem, warm: StagePoint, callback: IterationCallback | None, core: Any
     ) -> StageReport:
-        most = min(self.max_iterations, WARM_ITERATIONS) if self.robust else self.max_iterations
-        report = replace(self, max_iterations=most)._once(problem, warm, callback, core=core)
+        quick = replace(self, max_iterations=min(self.max_iterations, WARM_ITERATIONS)) if self.robust else self
+        report = quick._once(problem, warm, callback, core=core)
         if not self.robust or report.status not in _TRY_AGAIN:
             return report
         left = self.max_iterations - report.iterations
@@ -477,8 +479,9 @@ def _start_of(problem: StageProblem) -> Array | None:
         return None
 
 
-def _worst(problem: StageProblem, core: CorePoint, states: Array, inputs: Array, final_time: float) -> str:
+def _worst(problem: StageProblem, core: CorePoint) -> str:
     """What is violated most: a row, the dynamics, a bound, start or goal, and where it is."""
+    states, inputs, final_time, *_ = problem.unpack(core.v)
     inner = np.maximum(problem.state_low - states, states - problem.state_high)
     for knot, end in ((0, problem.start), (-1, problem.goal)):
         away = np.abs(states[knot] - end)
