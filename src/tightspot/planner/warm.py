@@ -75,7 +75,7 @@ def _solved_again(
         step = Step(last.mesh, last.trajectory, "warm", "from the last plan", last)
         problem = carry_lines(last.mesh.grid, report, problem_of(request, step))
     most, limit = min(solver.max_iterations, WARM_ITERATIONS), min(solver.time_limit, max(seconds, 1e-3))
-    quick = Stagewise(solver.tolerance, most, limit, solver.initial_barrier, robust=False)
+    quick = replace(solver, max_iterations=most, time_limit=limit, robust=False)
     old = report.point
     point = StagePoint(problem.starting_point(), old.s, old.z, old.zb, old.lam, old.nu)
     return quick.solve_stages(problem, warm=point, callback=watch, core=core.of(problem))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import functools
 import statistics
 import time
 from collections.abc import Callable, Sequence
@@ -23,59 +25,85 @@ from tightspot.campaigns.speed.cases import (
     quantiles,
     settings_for,
 )
+from tightspot.campaigns.speed.cases import (
+    MARGIN as PLAN_MARGIN,
+)
 from tightspot.campaigns.table import BETTER
 from tightspot.errors import InputError, PlanningError
 from tightspot.formulations import SeparatingLine
 from tightspot.guesses import HybridAStar
 from tightspot.planner import Planner, plan
 from tightspot.scenarios import Scenario, check
-from tightspot.solvers import Stagewise
+from tightspot.solvers import StageReport, Stagewise, solve_many
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.transcription import TimeGrid, stage_problem, transcribe
+from tightspot.solvers.stagewise import core_solver
+from tightspot.transcription import TimeGrid, moved_ends, stage_problem, transcribe
 
 MOVED = np.array([0.10, np.deg2rad(2.0)])
 """How far a start is moved and turned, m and rad."""
 
-WARM_BARRIER = 1e-3
 REPEATS = 5
+PLANS = 20
+"""Of each batch's scenes so many are planned."""
 
 
 def batch(starts: Sequence[Start], tell: Callable[[str], None]) -> dict[str, Any]:
-    """Solves of one thread a second, by the public call, from problems in memory; only solved ones count."""
+    """What one thread does in a second of processor time, by the public calls; only successes count.
+
+    Solves of problems in memory, the same with every problem built from its scene and guess first, and certified plans.
+    """
     tell(f"batch of {len(starts)}")
     problems = [_problem(start) for start in starts]
-    solver = Stagewise()
-    solver.solve_many(problems[:2])
-    rates = []
+    solve_many(problems[:2])
+    rates, built = [], []
     for _ in range(REPEATS):
         began = time.thread_time()
-        reports = solver.solve_many(problems)
-        rates.append(sum(report.status.success for report in reports) / (time.thread_time() - began))
+        reports = solve_many(problems)
+        halfway = time.thread_time()
+        again = solve_many([_problem(start) for start in starts])
+        built.append(sum(report.status.success for report in again) / (time.thread_time() - halfway))
+        rates.append(sum(report.status.success for report in reports) / (halfway - began))
     return {
         "problems": len(problems),
         "solves_per_second": statistics.median(rates),
+        "solves_per_second_built": statistics.median(built),
         "success": float(np.mean([report.status.success for report in reports])),
+        "plans_per_second": _plans_per_second([start.scenario for start in starts[:PLANS]]),
     }
 
 
+def _plans_per_second(scenes: Sequence[Scenario]) -> float:
+    plan(scenes[0], vehicle=car(), margin=PLAN_MARGIN)
+    made, began = 0, time.thread_time()
+    for scene in scenes:
+        with contextlib.suppress(PlanningError, InputError):
+            made += plan(scene, vehicle=car(), margin=PLAN_MARGIN).certificate.certified
+    return made / (time.thread_time() - began)
+
+
 def warm(starts: Sequence[Start], seed: int, tell: Callable[[str], None]) -> dict[str, Any]:
-    """The solve after the start has moved a little: from the guess for the new start, and from the last solution."""
+    """The solve after the start has moved a little: from the guess for the new start, and from the last solution.
+
+    ``ratio`` is that of the solves alone, set-up on neither side. ``ratio_with_set_up`` has on both sides all that is
+    to be done once the start is known. Anew: arrays from scene and guess, the core, the solve and its report, but not
+    the search for the guess. Warm: the arrays with the new start, the solve by the kept core, its report.
+    """
     rng = np.random.default_rng(seed)
-    cold_solver, warm_solver = Stagewise(), Stagewise(initial_barrier=WARM_BARRIER)
-    ratios, iterations, solved = [], [], []
+    solver = Stagewise()
+    ratios, with_set_up, iterations, solved = [], [], [], []
     for number, start in enumerate(starts):
         tell(f"warm re-solve {number + 1} of {len(starts)}")
-        before = cold_solver.solve_stages(_problem(start))
+        before = solver.solve_stages(_problem(start))
         moved = _moved(start, rng)
-        if moved is None or before.lines is None or not before.status.success:
+        if moved is None or before.problem is None or not before.status.success:
             continue
-        again = _problem(Start(moved.scenario, _trajectory_of(start, before)))
-        again = again.replaced(lines=before.lines)
-        cold_seconds, cold = _timed(cold_solver, _problem(moved))
-        warm_seconds, warmed = _timed(warm_solver, again)
+        core = core_solver(before.problem)
+        cold_seconds, cold_all, cold = _timed(functools.partial(_anew, solver, moved))
+        warm_seconds, warm_all, warmed = _timed(functools.partial(_again, solver, moved.scenario, before, core))
         solved.append(warmed.status.success)
         if cold.status.success and warmed.status.success:
             ratios.append(cold_seconds / warm_seconds)
+            with_set_up.append(cold_all / warm_all)
             iterations.append((cold.iterations, warmed.iterations))
     if not ratios:
         return {"cases": len(solved), "success": float(np.mean(solved)) if solved else None}
@@ -84,9 +112,22 @@ def warm(starts: Sequence[Start], seed: int, tell: Callable[[str], None]) -> dic
         "cases": len(solved),
         "success": float(np.mean(solved)),
         "ratio": quantiles(ratios),
+        "ratio_with_set_up": quantiles(with_set_up),
         "iterations_cold": float(median_iterations[0]),
         "iterations_warm": float(median_iterations[1]),
     }
+
+
+def _anew(solver: Stagewise, start: Start) -> StageReport:
+    return solver.solve_stages(_problem(start))
+
+
+def _again(solver: Stagewise, scenario: Scenario, before: StageReport, core: Any) -> StageReport:
+    problem = moved_ends(before, scenario)
+    assert problem is not None
+    assert before.point is not None
+    point = dataclasses.replace(before.point, v=problem.starting_point())
+    return solver.solve_stages(problem, warm=point, core=core)
 
 
 def warm_plans(scenes: Sequence[Scenario], seed: int, tell: Callable[[str], None]) -> dict[str, Any]:
@@ -150,12 +191,15 @@ def _problem(start: Start) -> StageProblem:
     return stage_problem(start.scenario, car(), start.guess, settings, grid=TimeGrid.uniform(STEPS))
 
 
-def _timed(solver: Stagewise, problem: StageProblem) -> tuple[float, Any]:
-    times = []
+def _timed(make: Callable[[], StageReport]) -> tuple[float, float, StageReport]:
+    """Seconds of the solve alone, by the solver's clock, and of all, by the thread's; medians."""
+    solves, times = [], []
     for _ in range(REPEATS):
-        report = solver.solve_stages(problem)
-        times.append(report.timings["solve"])
-    return statistics.median(times), report
+        began = time.thread_time()
+        report = make()
+        times.append(time.thread_time() - began)
+        solves.append(report.timings["solve"])
+    return statistics.median(solves), statistics.median(times), report
 
 
 def _moved(start: Start, rng: np.random.Generator) -> Start | None:
@@ -176,10 +220,3 @@ def _moved_scene(scenario: Scenario, rng: np.random.Generator, margin: float) ->
     except InputError:
         return None
     return moved
-
-
-def _trajectory_of(start: Start, report: Any) -> Any:
-    """The solution as a guess."""
-    grid = TimeGrid.uniform(STEPS)
-    fields = {"t": report.final_time * grid.fractions, "states": report.states, "inputs": report.inputs}
-    return dataclasses.replace(start.guess, **fields)
