@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 
@@ -32,18 +31,26 @@ class Run:
     megabytes: float
 
 
+LAUNCHER = """
+import json, os, sys, time
+started = time.perf_counter()
+child = os.posix_spawn(sys.executable, [sys.executable, *sys.argv[2:]], os.environ)
+_, status, usage = os.wait4(child, 0)
+measured = {"code": os.waitstatus_to_exitcode(status), "memory": usage.ru_maxrss}
+with open(sys.argv[1], "w") as file:
+    json.dump({**measured, "seconds": time.perf_counter() - started}, file)
+"""
+"""A process starts with the largest memory of the one that made it, which is therefore a small one."""
+
+
 def run_tightspot(arguments: Sequence[str]) -> Run:
     """Run ``tightspot ARGUMENTS --json`` in a process of its own."""
-    command = [sys.executable, "-m", "tightspot", *arguments, "--json"]
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        started = time.perf_counter()
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err)
-        _, status, usage = os.wait4(process.pid, 0)
-        seconds = time.perf_counter() - started
-        process.returncode = os.waitstatus_to_exitcode(status)
-        out.seek(0)
-        err.seek(0)
-        text, errors = out.read().decode(), err.read().decode()
+    command = ["-m", "tightspot", *arguments, "--json"]
+    with tempfile.TemporaryDirectory() as directory:
+        told = Path(directory, "measured.json")
+        launcher = [sys.executable, "-S", "-c", LAUNCHER, str(told), *command]
+        done = subprocess.run(launcher, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=True)
+        measured = json.loads(told.read_text())
     unit = 1 if sys.platform == "darwin" else 1024
-    answer = json.loads(text) if text else None
-    return Run(process.returncode, answer, errors, seconds, usage.ru_maxrss * unit / 1e6)
+    answer = json.loads(done.stdout) if done.stdout else None
+    return Run(measured["code"], answer, done.stderr, measured["seconds"], measured["memory"] * unit / 1e6)
