@@ -14,9 +14,14 @@ import tightspot
 from tightspot.errors import BlockedError, InputError, PlanningError, SceneError
 from tightspot.guesses import HybridAStar
 from tightspot.planner import Explanation, FailureKind
+from tightspot.planner.request import resolve
+from tightspot.planner.sentences import solver_words
+from tightspot.planner.solver_stop import SolverStop, WorstConstraint
 from tightspot.scenarios import Scenario, builtin
+from tightspot.scenarios.labels import labels
 from tightspot.search import COARSE, HybridAStarOptions
-from tightspot.solvers import Ipopt
+from tightspot.solvers import Ipopt, SolveStatus
+from tightspot.verification import Witness
 
 from .scenes import MARGIN, WIDTH, alley, box, clearance, footprint, gap
 
@@ -141,6 +146,30 @@ def test_a_search_that_was_limited_proves_nothing() -> None:
     assert "which is no proof" in found.sentence
     assert "the limit on expansions" in found.sentence
     assert "let the search run longer" in found.remedy
+
+
+def test_a_goal_that_touches_a_wall_is_told_and_nothing_is_proved() -> None:
+    found = why(gap(4.0, box("bar", 16.699 - 5e-10, 17, -4.1, 4.1)), margin=0.0, guess="hybrid-astar", effort="fast")
+    assert found.kind is FailureKind.NO_PATH
+    assert found.reach is not None
+    assert not found.reach.is_proof
+    assert "no room to spare at the goal, where the body is 0.000 m from obstacle 'bar'" in found.sentence
+    assert found.remedy.startswith("Move the goal")
+
+
+def test_a_scene_in_other_units_is_suspected() -> None:
+    scene = Scenario.from_dict(
+        {
+            "name": "millimetres",
+            "workspace": {"x": [-12000, 14000], "y": [-6000, 8000]},
+            "obstacles": [box("left", -6000, -1300, -6000, 0), box("right", 1300, 6000, -6000, 0)],
+            "start": {"x": -8000, "y": 3000, "theta": 0},
+            "goal": {"x": 0, "y": -4500, "theta": 1.57},
+        }
+    )
+    found = why(scene, guess=LIMITED, effort="fast")
+    assert "The goal is 10966 m from the start." in found.sentence
+    assert found.remedy.startswith("Check that the scene is in metres.")
 
 
 def test_a_wall_leaves_nothing_to_widen() -> None:
@@ -282,3 +311,20 @@ def test_every_kind_has_a_word_and_a_sentence() -> None:
         "not-certified",
     }
     assert all(kind.sentence.endswith(".") for kind in FailureKind)
+
+
+@pytest.mark.parametrize(("x", "named"), [(4.0, "post"), (14.0, "bar")])
+def test_a_line_that_stands_wrong_does_not_blame_a_far_obstacle(x: float, named: str) -> None:
+    scene = gap(4.0, box("post", 3.9, 4.1, 1.5, 1.7), box("bar", 17, 17.2, -1, 1))
+    request = resolve(scene, None, None, None, None, None, None, None, 0, 1.0)
+    worst = WorstConstraint("separation", "body", "bar/0", "bar", 1.0, 2.0, 9.0)
+    parts = {label: name for name, label in labels(scene).items()}
+    near = Witness(3.0, "body", parts["post"], -0.2, (4.0, 1.0, 0.0), "collision")
+    pose = (x, 1.0, 0.0)
+    stop = SolverStop(SolveStatus.TIME_LIMIT, 7, 1, 9.0, worst, worst, pose, near, MARGIN)
+    sentence, remedy = solver_words(request, stop, None, None, None)
+    assert "obstacle 'bar' from 1.00 s to 2.00 s" in sentence
+    assert f"make room at obstacle '{named}'" in remedy
+    assert ("of the obstacles 'post' is nearest: body overlaps it by 0.200 m at 3.00 s" in sentence) == (
+        named == "post"
+    )

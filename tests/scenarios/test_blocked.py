@@ -193,3 +193,29 @@ def test_limits_alone_are_no_blocked_pose() -> None:
     with pytest.raises(SceneError) as caught:
         check(fast, PAPER, MARGIN)
     assert not isinstance(caught.value, BlockedError)
+
+
+@pytest.mark.parametrize("car", ["paper", "forklift"])
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [[-4, -6], [8, -6], [8, -5], [1, -5], [1, -0.5], [0, -0.5], [0, -5], [-4, -5]],  # a comb with one tooth
+        [[1, -3], [6, -3], [6, 3], [1, 3], [1, 2], [2, 2], [2, -2], [1, -2]],  # a bracket around the front
+        [[2, 0.4], [2.5, 1.1], [3.6, 0.7], [3.2, -0.1], [2.6, 0.45]],
+    ],
+)
+def test_the_depth_is_that_of_the_whole_obstacle(corners: Any, car: str) -> None:
+    scenario = scene({"thing": corners}, goal=(0.3, 0.1, 0.2))
+    found = blocked(scenario, vehicle(car), MARGIN, "goal")
+    assert found is not None
+    body, thing = footprint(vehicle(car), *scenario.goal[:3]), Polygon(corners)
+    assert body.intersects(thing)
+
+    def overlaps(distance: float) -> list[bool]:
+        angles = np.linspace(0.0, 2 * np.pi, 1441)
+        moves = [affinity.translate(body, distance * math.cos(a), distance * math.sin(a)) for a in angles]
+        return [move.intersection(thing).area > 0 for move in moves]
+
+    assert all(overlaps(found.depth - 1e-3)), "no shorter way leads out"
+    assert not all(overlaps(found.depth + 2e-3)), "this far does"
+    assert found.overlapped[0].obstacle == "thing"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tightspot.guesses.base import known
 from tightspot.scenarios import Scenario
+from tightspot.scenarios.clearances import clearance, workspace_excess
 from tightspot.search import Direction, HybridAStarOptions, SearchResult, SearchStatus, search
 from tightspot.vehicles import SingleTrack
 
@@ -38,6 +39,7 @@ class Reach:
         heading_gap: Difference of its heading from the goal's, rad.
         enclosed: ``start`` or ``goal`` if hardly anything can be reached from there, else empty.
         is_proof: Whether no path keeps the smallest margin at whatever resolution.
+        refused: The end that the search took to be blocked, with what is nearest there, for people; else empty.
     """
 
     margin: float
@@ -52,6 +54,7 @@ class Reach:
     heading_gap: float
     enclosed: str
     is_proof: bool
+    refused: str = ""
 
     @property
     def is_exhaustive(self) -> bool:
@@ -116,6 +119,7 @@ def reach_of(
     turned = np.abs((from_start[:, 2] - goal[2] + np.pi) % (2 * np.pi) - np.pi)
     body = max(part.polygon.radius for part in car.parts)
     closest = int(np.argmin(away + body * turned))
+    refused = _refused(scenario, car, result)
     sizes = {"start": len(from_start), "goal": len(from_goal)}
     smaller = min(sizes, key=lambda end: sizes[end])
     return Reach(
@@ -130,8 +134,21 @@ def reach_of(
         distance=float(away[closest]),
         heading_gap=float(turned[closest]),
         enclosed=smaller if sizes[smaller] < _ENCLOSED * max(sizes.values()) else "",
-        is_proof=result.is_proof,
+        is_proof=result.is_proof and not refused,
+        refused=refused,
     )
+
+
+def _refused(scenario: Scenario, car: SingleTrack, result: SearchResult) -> str:
+    """The end that is free by rounding only, which is not free enough for a search: it keeps a hair of room."""
+    ends = {SearchStatus.START_BLOCKED: "start", SearchStatus.GOAL_BLOCKED: "goal"}
+    end = ends.get(result.status)
+    if end is None:
+        return ""
+    state = getattr(scenario, end)
+    nearest, (excess, _) = clearance(scenario, car, state), workspace_excess(scenario, car, state)
+    what = f"obstacle {nearest.obstacle!r}" if nearest.value < -excess else "the workspace's border"
+    return f"the {end}, where the body is {max(min(nearest.value, -excess), 0.0):.3f} m from {what}"
 
 
 _LIMITS = {SearchStatus.LIMIT_REACHED: "the limit on expansions", SearchStatus.TIME_LIMIT: "the time limit"}

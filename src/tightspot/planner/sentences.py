@@ -16,12 +16,16 @@ from tightspot.planner.rounds import Round
 from tightspot.planner.solver_stop import SolverStop
 from tightspot.scenarios import Blocked
 from tightspot.scenarios.bottleneck import Bottleneck
+from tightspot.scenarios.clearances import clearances
 from tightspot.scenarios.labels import labels
 from tightspot.solvers import SolveStatus
 from tightspot.verification import verify
 from tightspot.verification.certificate import WORKSPACE
 
 ASK = "--explain (in Python explain=True) finds the largest margin and the widest body that pass."
+
+FAR = 1000.0
+"""Between start and goal, m: where no path is found over more than this, the scene may be in other units."""
 
 _AFTER_STATUS = {
     SolveStatus.ITERATION_LIMIT: "Allow the solver more iterations, or take another guess",
@@ -49,14 +53,25 @@ def path_words(
     if reach is not None:
         found = _search_words(reach)
         where = f"around the {reach.enclosed}" if reach.enclosed else "ahead of that pose"
+    if reach is not None and reach.refused:
+        end = reach.refused.split(",")[0]
+        return f"{found}.", _asked(f"Move {end} some millimetres away from it.", deeper)
     other = "--guess linear, which needs no path" if request.guess.name != "linear" else "another guess"
     longer = "" if reach is None or reach.is_exhaustive else ", let the search run longer (its HybridAStarOptions)"
+    apart = float(np.hypot(*(request.scenario.goal - request.scenario.start)[:2]))
+    if apart > FAR and reach is not None and not reach.is_exhaustive:
+        return (
+            f"{found}{came}. The goal is {apart:.0f} m from the start.",
+            f"Check that the scene is in metres. If it is, plan in shorter stages{longer}.",
+        )
     return f"{found}{came}.", _asked(f"Make room {where}, ask for a smaller margin{longer}, or try {other}.", deeper)
 
 
 def _search_words(reach: Reach) -> str:
     """How the search ended."""
     clear = f"{reach.margin:g} m of clearance"
+    if reach.refused:
+        return f"The search did not begin with {clear}: it has no room to spare at {reach.refused}"
     if reach.is_proof:
         return f"There is no path with {clear}: not even a disc about the rear axle gets through"
     if reach.is_exhaustive:
@@ -85,15 +100,44 @@ def solver_words(
         elif stop.worst.kind == "dynamics" and stop.nearest is not None:
             name, near = labels(request.scenario)[stop.nearest.obstacle], stop.nearest
             found += f"; the nearest obstacle is {name!r}, {near.clearance:.3f} m away at {near.time:.2f} s"
+    blamed = _blamed(request, stop)
+    if stop.worst is not None:
+        closest = stop.witness
+        if (
+            blamed is not None
+            and closest is not None
+            and stop.worst.kind == "separation"
+            and blamed != stop.worst.label
+        ):
+            how = (
+                f"overlaps it by {-closest.clearance:.3f} m"
+                if closest.clearance < 0
+                else f"is {closest.clearance:.3f} m away"
+            )
+            found += f"; of the obstacles {blamed!r} is nearest: {closest.part} {how} at {closest.time:.2f} s"
         found += "."
     if narrow is not None:
         return f"{found} There can be none: {narrow.describe(offset)}.", _widen(request, narrow, deeper)
     remedy = _AFTER_STATUS.get(stop.status, "Take another guess (--guess) or a smaller margin")
-    if stop.tightest is not None and stop.tightest.obstacle not in ("", WORKSPACE):
-        remedy += f", or make room at obstacle {stop.tightest.label!r}"
+    if blamed is not None:
+        remedy += f", or make room at obstacle {blamed!r}"
     if least is not None:
         remedy += ". A trajectory that keeps the margin at all samples was found afterwards, which is worth a guess"
     return found, _asked(f"{remedy}.", deeper)
+
+
+def _blamed(request: Request, stop: SolverStop) -> str | None:
+    """The obstacle to make room at: a violated row may be that of a line that stands wrong, far from the body."""
+    tight = stop.tightest
+    if tight is None or tight.obstacle in ("", WORKSPACE):
+        return None
+    if stop.worst != tight or stop.witness is None or stop.pose is None:
+        return tight.label
+    state = np.array([*stop.pose, 0.0, 0.0])
+    near = clearances(request.scenario, request.vehicle, state, reach=request.margin)
+    if any(found.obstacle == tight.label and found.value < request.margin for found in near):
+        return tight.label
+    return labels(request.scenario)[stop.witness.obstacle]
 
 
 def penetration_words(

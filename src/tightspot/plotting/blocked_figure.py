@@ -99,7 +99,7 @@ def _what(end: Blocked) -> str:
         return f"{end.end}: {end.outside:.3f} m outside"
     worst = end.obstacles[0]
     how = f"{-worst.value:.3f} m deep" if worst.value < 0 else f"{worst.value:.3f} m apart"
-    return f"{end.end}: {worst.part} / {worst.obstacle}, {how}"
+    return f"{end.end}: {shortened(f'{worst.part} / {worst.obstacle}', 32)}, {how}"
 
 
 def _window(scenario: Scenario, vehicle: VehicleModel, end: Blocked) -> Box:

@@ -181,7 +181,7 @@ def _draw_detail(axes: Axes, scenario: Scenario, vehicle: VehicleModel, witness:
     frame_axes(axes, window, scenario.offset)
     axes.set(xlabel="", ylabel="")
     depth = f"{-witness.clearance:.3f} m deep" if witness.clearance < 0 else f"{witness.clearance:.3f} m apart"
-    text = f"t = {witness.time:.2f} s: {witness.part} / {witness.obstacle}, {depth}"
+    text = f"t = {witness.time:.2f} s: {shortened(f'{witness.part} / {witness.obstacle}', 26)}, {depth}"
     look: dict[str, Any] = {"fontsize": 10, "fontweight": "bold", "color": style.BAD, "parse_math": False}
     axes.set_title(shortened(text, 60), loc="left", **look)
     return window

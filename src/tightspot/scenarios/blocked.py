@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tightspot.errors import Problem
 from tightspot.scenarios.clearances import Clearance, clearances, workspace_excess
-from tightspot.scenarios.remedies import SLACK, largest_width, shortest_move, smallest_turn
+from tightspot.scenarios.remedies import SLACK, largest_width, overlap_depth, shortest_move, smallest_turn
 from tightspot.scenarios.scenario import Scenario
 from tightspot.vehicles import VehicleModel, body_width
 
@@ -27,7 +27,8 @@ class Blocked:
     Attributes:
         end: Which of the two.
         margin: Demanded clearance, m.
-        obstacles: Those that are overlapped or nearer than the margin, worst first.
+        obstacles: Those that are overlapped or nearer than the margin, worst first. The depth of an overlap is the
+            shortest displacement of the whole body out of that obstacle, the part the one that overlaps most.
         outside: How far the body reaches out of the workspace, m; 0 if it does not.
         side: Of the workspace, for people; empty if the body is inside.
         move: Shortest displacement that frees it with the same heading, m, m; ``None`` if there is none.
@@ -124,7 +125,12 @@ def blocked(scenario: Scenario, vehicle: VehicleModel, margin: float, end: Liter
     """
     state = getattr(scenario, end)
     near = clearances(scenario, vehicle, state, reach=margin)
-    obstacles = tuple(found for found in near if found.value < margin - SLACK)
+    obstacles = tuple(
+        sorted(
+            (_whole(scenario, vehicle, state, found) for found in near if found.value < margin - SLACK),
+            key=lambda found: found.value,
+        )
+    )
     excess, normal = workspace_excess(scenario, vehicle, state)
     is_outside = excess > SLACK
     if not (obstacles or is_outside):
@@ -143,6 +149,13 @@ def blocked(scenario: Scenario, vehicle: VehicleModel, margin: float, end: Liter
         width_now=body_width(vehicle),
         margin_that_fits=float(spare) if spare > 0 else None,
     )
+
+
+def _whole(scenario: Scenario, vehicle: VehicleModel, state: Array, found: Clearance) -> Clearance:
+    """With the overlap of the whole body and the whole obstacle rather than of the worst pair of convex parts."""
+    if found.value >= 0:
+        return found
+    return found._replace(value=min(found.value, -overlap_depth(scenario, vehicle, state, found.obstacle)))
 
 
 def _side(normal: Array) -> str:

@@ -54,6 +54,23 @@ def shortest_move(scenario: Scenario, vehicle: VehicleModel, state: Array, margi
     return None
 
 
+def overlap_depth(scenario: Scenario, vehicle: VehicleModel, state: Array, obstacle: str) -> float:
+    """The shortest displacement of the whole body out of a whole obstacle, m; 0 if they do not overlap.
+
+    Where both are convex this is minus the signed distance; of other shapes no single pair of convex parts tells it.
+    The displacements that collide are the union of the parts' Minkowski sums, the answer is how deep 0 is in there.
+    """
+    polygons = scenario.obstacle_polygons
+    rows = [i for i, label in enumerate(scenario.part_labels) if label == obstacle]
+    parts = [polygon.vertices - state[:2] for polygon in polygons.chosen(np.array(rows, dtype=int))]
+    if not parts:
+        return 0.0
+    bodies = [vertices - state[:2] for _, vertices in body_vertices(vehicle, state)]
+    colliding = shapely.union_all(np.concatenate([_sums(padded_vertices(parts), vertices) for vertices in bodies]))
+    here = shapely.Point(0.0, 0.0)
+    return float(shapely.distance(here, shapely.boundary(colliding))) if shapely.contains(colliding, here) else 0.0
+
+
 def _nearest_step(
     scenario: Scenario, vehicle: VehicleModel, state: Array, margin: float, spare: float, reach: float
 ) -> Array | None:
