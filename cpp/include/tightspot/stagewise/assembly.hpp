@@ -7,8 +7,8 @@
 
 #include "tightspot/stagewise/chain.hpp"
 #include "tightspot/stagewise/covers.hpp"
+#include "tightspot/stagewise/end_lines.hpp"
 #include "tightspot/stagewise/line_fit.hpp"
-#include "tightspot/stagewise/row_quadratic.hpp"
 #include "tightspot/stagewise/views.hpp"
 
 namespace tightspot::stagewise {
@@ -31,10 +31,10 @@ class Assembly {
           poses_(layout.sample.back() + rows.views.size()) {
         const std::size_t parts = problem.parts.size();
         curvature.poses.assign(6 * poses_, 0), curvature.pose_covers.assign(3 * poses_ * parts, 0);
-        curvature.covers.assign(problem.steps * parts, 0), curvature.blocks.assign(rows.blocks, 0);
+        curvature.covers.assign(problem.steps * parts, 0), curvature.ends.assign(9 * problem.steps, 0);
+        inverses_.assign(3 * rows.intervals.size(), 0), curvature.blocks.assign(rows.blocks, 0);
         steps_.poses.assign(3 * poses_, 0), steps_.covers.assign(problem.steps * parts, 0);
-        if (std::any_of(rows.coupled.begin(), rows.coupled.end(), [](char is) { return is != 0; }))
-            pairs.resize(problem.pairs.size());
+        if (!rows.single.empty()) pairs.resize(problem.pairs.size());
         penetrations.resize(layout.soft_pairs.size());
         sensitivities.allocate(problem, layout);
     }
@@ -103,12 +103,14 @@ class Assembly {
     }
 
     // The Hessian of the Lagrangian plus J' D J; `lam` of the dynamics, `diagonal` of the bounds. On the way, the gradient
-    // of objective - z . rows, plus `bounds`: the same as set_gradient(v, at, z, bounds, out).
+    // of objective - z . rows, plus `bounds`. The lines of end_lines.hpp are eliminated unless `whole` is asked for.
     void set_hessian(const double* v, const Values<Model>& at, const double* D, const double* z, const double* lam,
-                     const double* diagonal, const double* bounds, Gradient& out) {
+                     const double* diagonal, const double* bounds, bool whole, Gradient& out) {
         out.forces.clear(), curvature.clear();
         over_rows([&](auto P, const RowGroup& group) {
             row_curvature<decltype(P)>(context(), group, at, D, z, out.forces, curvature);
+            if (group.ends && !whole)
+                eliminate_ends<decltype(P)>(rows, group, parts(), inverses_.data(), curvature);
         });
         views_.pull(out.forces), views_.pull(out.forces, curvature);
         constexpr int n = S::inner;
@@ -131,18 +133,21 @@ class Assembly {
         chain_pairs();
     }
 
-    // The objective's gradient - J' b + bounds.
+    // The objective's gradient - J' b + bounds, after the lines of end_lines.hpp by the last Hessian.
     void set_gradient(const double* v, const Values<Model>& at, const double* b, const double* bounds,
                       Gradient& out) const {
         out.forces.clear();
-        over_rows([&](auto P, const RowGroup& group) { row_forces<decltype(P)>(context(), group, at, b, out.forces); });
+        over_rows([&](auto P, const RowGroup& group) {
+            row_forces<decltype(P)>(context(), group, at, b, out.forces);
+            if (group.ends) reduce_ends<decltype(P)>(rows, group, parts(), inverses_.data(), curvature, out.forces);
+        });
         views_.pull(out.forces);
         for (int k = 0; k < problem_.steps; ++k) collect_gradient(v, k, bounds, out);
     }
 
-    // Steps of the rows from the step of the variables.
-    void row_steps(const Values<Model>& at, const double* dv, double* out) {
-        const int parts = problem_.parts.size();
+    // Steps of the rows from the step dv of the variables; in dv sets that of the lines of end_lines.hpp, for the gradient
+    // that it was found for.
+    void row_steps(const Values<Model>& at, const Gradient& gradient, double* dv, double* out) {
         double w[S::nw];
         for (int k = 0; k < problem_.steps; ++k) {
             double* poses = steps_.poses.data() + 3 * layout_.sample[k];
@@ -151,15 +156,18 @@ class Assembly {
             if (!coupled(k)) continue;
             gather(dv, k, w);
             for (int p = 0; p < last; ++p) chain(k).step(p, w, poses + 3 * p);
-            for (int part = 0; has_cover(k) && part < parts; ++part) {
-                const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
+            for (int part = 0; has_cover(k) && part < parts(); ++part) {
+                const double* of_cover = covers_.gradients.data() + (k * parts() + part) * S::nw;
                 double sum = 0;
-                for (int i = covers_.pose; i < S::nw; ++i) sum += gradient[i] * w[i];
-                steps_.covers[k * parts + part] = sum;
+                for (int i = covers_.pose; i < S::nw; ++i) sum += of_cover[i] * w[i];
+                steps_.covers[k * parts() + part] = sum;
             }
         }
         views_.push(dv[layout_.time], steps_.poses);
         over_rows([&](auto P, const RowGroup& group) {
+            if (group.ends)
+                step_ends<decltype(P)>(rows, group, parts(), inverses_.data(), curvature, gradient.forces.lines, steps_,
+                                       dv + layout_.line);
             stagewise::row_steps<decltype(P)>(context(), group, at, steps_.poses.data(), steps_.covers.data(),
                                               dv + layout_.line, dv + layout_.sigma, out);
         });
@@ -199,11 +207,12 @@ class Assembly {
     bool coupled(int k) const { return rows.coupled[k] != 0; }
     bool has_cover(int k) const { return rows.covered[k] != 0; }
 
-    // A pair's block, wherever it is kept; for uncoupled intervals, too.
+    // For tests: a pair's block, wherever it is kept; for uncoupled intervals, too.
     PairBlock<Model> pair_block(int pair) const {
-        if (coupled(problem_.pairs[pair].interval)) return pairs[pair];
-        PairBlock<Model> block{};
         const RowGroup& group = rows.pairs[rows.group[pair]];
+        if (group.ends) return chained(group, rows.lane[pair]);
+        if (group.coupled) return pairs[pair];
+        PairBlock<Model> block{};
         const double* at = curvature.blocks.data() + group.block + rows.lane[pair];
         block.phi_phi = at[0], block.phi_mu = at[group.width], block.mu_mu = at[2 * group.width];
         for (int i = 0; i < 3; ++i) {
@@ -221,12 +230,14 @@ class Assembly {
     const RowGroups rows;
     std::vector<StageQuadratic<Model>> stages;
     RowCurvature curvature;
-    std::vector<PairBlock<Model>> pairs;  // of coupled intervals
+    std::vector<PairBlock<Model>> pairs;  // of those in rows.single
     std::vector<PenetrationBlock<Model>> penetrations;
     Sensitivities<Model> sensitivities;
 
    private:
     RowContext<Model> context() const { return {problem_, layout_, rows}; }
+
+    int parts() const { return problem_.parts.size(); }
 
     template <class Body>
     void over_rows(Body&& body) const {
@@ -255,6 +266,8 @@ class Assembly {
         add_diagonal(k, diagonal, stage);
         if (!coupled(k)) return;
         for (double& entry : stage.mixed) entry = 0;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) stage.mixed[i * S::na + j] = curvature.ends[9 * k + 3 * i + j];
         add_pose_block(curvature.poses.data() + 6 * first, stage.own, S::na);
         for (int p = first + 1; p < last; ++p)
             chain(k).add_block(p - first, curvature.poses.data() + 6 * p, stage.own);
@@ -294,32 +307,39 @@ class Assembly {
 
     // Blocks of pairs in coupled intervals, from poses and covers to w.
     void chain_pairs() {
-        const int parts = problem_.parts.size();
         for (const RowGroup& group : rows.pairs) {
-            if (!group.coupled) continue;
+            if (!group.coupled || group.ends) continue;
             for (int l = 0; l < group.width; ++l) {
-                const double* at = curvature.blocks.data() + group.block + l;
-                const auto entry = [&](int i) { return at[i * group.width]; };
-                const int k = rows.intervals[group.line + l];
-                const double* cover = covers_.gradients.data() + (k * parts + group.part) * S::nw;
-                PairBlock<Model>& pair = pairs[rows.line_pairs[group.line + l]];
-                pair.phi_phi = entry(0), pair.phi_mu = entry(1), pair.mu_mu = entry(2);
-                const double phi_cover = entry(3), mu_cover = entry(4);
-                for (int i = 0; i < S::nw; ++i) pair.phi[i] = phi_cover * cover[i], pair.mu[i] = mu_cover * cover[i];
-                for (int s = 0; s < group.samples; ++s) {
-                    const int place = rows.samples[group.sample + s * group.width + l], i = 5 + 6 * s;
-                    const double phi[3] = {entry(i), entry(i + 1), entry(i + 2)};
-                    const double mu[3] = {entry(i + 3), entry(i + 4), entry(i + 5)};
-                    chain_line(k, place, phi, pair.phi), chain_line(k, place, mu, pair.mu);
-                }
-                if (group.soft) chain_penetration(group, l, at, cover);
+                pairs[rows.line_pairs[group.line + l]] = chained(group, l);
+                if (group.soft) chain_penetration(group, l);
             }
         }
     }
 
-    void chain_penetration(const RowGroup& group, int l, const double* at, const double* cover) {
+    // The block of the pair in lane l of a group.
+    PairBlock<Model> chained(const RowGroup& group, int l) const {
+        const double* at = curvature.blocks.data() + group.block + l;
+        const auto entry = [&](int i) { return at[i * group.width]; };
+        const int k = rows.intervals[group.line + l];
+        const double* cover = covers_.gradients.data() + (k * parts() + group.part) * S::nw;
+        PairBlock<Model> pair;
+        pair.phi_phi = entry(0), pair.phi_mu = entry(1), pair.mu_mu = entry(2);
+        const double phi_cover = entry(3), mu_cover = entry(4);
+        for (int i = 0; i < S::nw; ++i) pair.phi[i] = phi_cover * cover[i], pair.mu[i] = mu_cover * cover[i];
+        for (int s = 0; s < group.samples; ++s) {
+            const int place = rows.samples[group.sample + s * group.width + l], i = 5 + 6 * s;
+            const double phi[3] = {entry(i), entry(i + 1), entry(i + 2)};
+            const double mu[3] = {entry(i + 3), entry(i + 4), entry(i + 5)};
+            chain_line(k, place, phi, pair.phi), chain_line(k, place, mu, pair.mu);
+        }
+        return pair;
+    }
+
+    void chain_penetration(const RowGroup& group, int l) {
+        const double* at = curvature.blocks.data() + group.block + l;
         const auto entry = [&](int i) { return at[i * group.width]; };
         const int j = rows.penetrations[group.line + l], k = rows.intervals[group.line + l], own = 5 + 6 * group.samples;
+        const double* cover = covers_.gradients.data() + (k * parts() + group.part) * S::nw;
         PenetrationBlock<Model>& block = penetrations[j];
         block.phi = entry(own), block.weight = entry(own + 1), block.own = entry(own + 2), block.obstacle = entry(own + 3);
         const double of_cover = entry(own + 4);
@@ -391,7 +411,8 @@ class Assembly {
     const Problem& problem_;
     const Layout& layout_;
     const std::size_t poses_;  // samples and views
-    Forces steps_;  // of poses and covers
+    Forces steps_;     // of poses and covers
+    Vector inverses_;  // of the groups of lines eliminated here, packs: phi phi, phi mu, mu mu
 };
 
 }  // namespace tightspot::stagewise

@@ -94,7 +94,7 @@ class Newton {
         std::fill(point.zb.begin(), point.zb.end(), 0.0);
         std::fill(point.s.begin(), point.s.end(), std::numeric_limits<double>::infinity());  // no barrier
         weigh();
-        lagrangian_gradient();
+        lagrangian_gradient(true);
         Lagrangian out{residual_, Vector(n * n, 0.0)};
         for (int pair = 0; pair < static_cast<int>(problem_.pairs.size()); ++pair)
             for (int which : {0, 1}) out.gradient.push_back(assembly_.line_force(gradient_, pair, which));
@@ -157,7 +157,8 @@ class Newton {
     }
 
     // Assembles the Hessian and fills residual_; returns its largest entry among free variables, lines included.
-    double lagrangian_gradient() {
+    // See Assembly::set_hessian for `whole`.
+    double lagrangian_gradient(bool whole = false) {
         std::fill(bound_diagonal_.begin(), bound_diagonal_.end(), 0.0);
         std::fill(bound_gradient_.begin(), bound_gradient_.end(), 0.0);
         for (std::size_t i = 0; i < bounds_.size(); ++i) {
@@ -165,7 +166,7 @@ class Newton {
             bound_gradient_[bounds_[i].index] -= bounds_[i].side * point.zb[i];
         }
         assembly_.set_hessian(point.v.data(), values_, D_.data(), point.z.data(), point.lam.data(),
-                              bound_diagonal_.data(), bound_gradient_.data(), gradient_);
+                              bound_diagonal_.data(), bound_gradient_.data(), whole, gradient_);
         std::fill(residual_.begin(), residual_.end(), 0.0);
         for (int k = 0; k < problem_.steps; ++k) {
             const double *g = gradient_.stages.data() + k * S::nw, *lam = point.lam.data() + k * S::nx;
@@ -239,7 +240,7 @@ class Newton {
                      step.lam.data(), step.nu.data());
         for (std::size_t i = 0; i < step.lam.size(); ++i) step.lam[i] -= point.lam[i];
         for (std::size_t i = 0; i < step.nu.size(); ++i) step.nu[i] -= point.nu[i];
-        assembly_.row_steps(values_, step.v.data(), step.s.data());
+        assembly_.row_steps(values_, gradient_, step.v.data(), step.s.data());
         for (std::size_t i = 0; i < bounds_.size(); ++i) step.sb[i] = bounds_[i].side * step.v[bounds_[i].index];
         Most primal(0), dual(0);
         Sum slope;

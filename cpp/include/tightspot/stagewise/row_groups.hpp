@@ -16,7 +16,7 @@ namespace tightspot::stagewise {
 // vertices sample by sample, then a soft pair's penetration. A wall has one sample and no obstacle side.
 struct RowGroup {
     int part, width, corners, samples;  // corners: vertices of the obstacle part, 0 for walls
-    bool soft, coupled, covered;        // see RowGroups
+    bool soft, coupled, ends, covered;  // see RowGroups; ends: see end_lines.hpp
     int row;
     int line;      // place in RowGroups::intervals and pairs
     int sample;    // place in RowGroups::samples
@@ -47,6 +47,7 @@ struct RowGroups {
     Vector numbers;
     Indices place;           // of each row in the problem's order (see Problem)
     Indices group, lane;     // of each pair
+    Indices single, first_single;  // pairs of coupled intervals but those of groups with `ends`; N + 1 entries
     std::vector<char> coupled, covered;  // intervals whose rows depend on more than x_{k+1}, and on covers
     int geometry = 0, blocks = 0;
 
@@ -66,12 +67,14 @@ class RowGrouping {
         find_structure();
         collect();
         for (const auto& [kind, lines] : kinds_) split(kind, lines);
+        collect_single();
     }
 
     RowGroups take() { return std::move(out_); }
 
    private:
-    using Kind = std::tuple<bool, bool, bool, int, int, int>;  // a pair's, soft, coupled, part, corners, samples
+    // A pair's, soft, coupled, ends, part, corners, samples.
+    using Kind = std::tuple<bool, bool, bool, bool, int, int, int>;
     struct Line {
         int interval, index, row;  // index: of the pair or wall; row: its first in the problem's order
         Indices samples;
@@ -101,6 +104,11 @@ class RowGrouping {
         return used;
     }
 
+    // True for the samples at both knots of an interval and no others.
+    bool at_ends(int k, const Indices& samples) const {
+        return samples.size() == 2 && samples[0] == layout_.sample[k] && samples[1] + 1 == layout_.sample[k + 1];
+    }
+
     // Lines by their kind, in the problem's order.
     void collect() {
         const int parts = problem_.parts.size();
@@ -114,14 +122,16 @@ class RowGrouping {
                 const int at = k * parts + part, count = problem_.parts.count(part);
                 for (int sample : wall_samples)
                     for (int i = layout_.wall[at]; i < layout_.wall[at + 1]; ++i, row += count)
-                        kinds_[{false, false, coupled, part, 0, 1}].push_back({k, i, row, {sample}});
+                        kinds_[{false, false, coupled, false, part, 0, 1}].push_back({k, i, row, {sample}});
                 for (int i = layout_.pair[at]; i < layout_.pair[at + 1]; ++i) {
                     const int corners = problem_.obstacles.count(problem_.pairs[i].obstacle);
                     const int samples = static_cast<int>(pair_samples.size());
                     const bool soft = layout_.soft[i] >= 0;
-                    kinds_[{true, soft, coupled, part, corners, samples}].push_back({k, i, row, pair_samples});
+                    const Motion* motion = problem_.motion_of(problem_.pairs[i].obstacle);
+                    const bool ends = !soft && !motion && at_ends(k, pair_samples);
+                    kinds_[{true, soft, coupled, ends, part, corners, samples}].push_back({k, i, row, pair_samples});
                     row += corners + samples * count + (soft ? 1 : 0);
-                    if (const Motion* motion = problem_.motion_of(problem_.pairs[i].obstacle))
+                    if (motion)
                         for (int sample : pair_samples) add_view({k, sample, motion});
                 }
             }
@@ -132,6 +142,16 @@ class RowGrouping {
     void add_view(const View& view) {
         if (view_of_.try_emplace({view.motion, view.sample}, static_cast<int>(out_.views.size())).second)
             out_.views.push_back(view);
+    }
+
+    void collect_single() {
+        const int parts = problem_.parts.size();
+        for (int k = 0; k < problem_.steps; ++k) {
+            out_.first_single.push_back(static_cast<int>(out_.single.size()));
+            for (int i = layout_.pair[k * parts]; out_.coupled[k] && i < layout_.pair[(k + 1) * parts]; ++i)
+                if (!out_.pairs[out_.group[i]].ends) out_.single.push_back(i);
+        }
+        out_.first_single.push_back(static_cast<int>(out_.single.size()));
     }
 
     // Where the pose is that matters to a line at a sample.
@@ -148,8 +168,8 @@ class RowGrouping {
     }
 
     void add(const Kind& kind, const Line* lines, int width) {
-        const auto [is_pair, soft, coupled, part, corners, samples] = kind;
-        RowGroup group{part, width, corners, samples, soft, coupled, false, row_, 0, 0, 0, out_.geometry, out_.blocks};
+        const auto [is_pair, soft, coupled, ends, part, corners, samples] = kind;
+        RowGroup group{part, width, corners, samples, soft, coupled, ends, false, row_, 0, 0, 0, out_.geometry, out_.blocks};
         group.line = static_cast<int>(out_.intervals.size());
         group.sample = static_cast<int>(out_.samples.size());
         group.number = static_cast<int>(out_.numbers.size());

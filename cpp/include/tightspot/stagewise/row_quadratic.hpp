@@ -25,11 +25,12 @@ struct RowCurvature {
     Vector poses;         // of each sample: xx, xy, yy, x theta, y theta, theta theta
     Vector pose_covers;   // mixed derivatives of pose and cover, by (sample, part): 3
     Vector covers;        // by (interval, part)
+    Vector ends;          // mixed derivatives of the pose of x_{k+1} and that of x_k, by interval: 3 x 3
     Vector blocks;        // of pairs, packs: phi phi, phi mu, mu mu, phi cover, mu cover, then of every sample phi and mu
                           // with x, y, theta; of a soft pair then: see SoftBlock
 
     void clear() {
-        for (Vector* all : {&poses, &pose_covers, &covers}) std::fill(all->begin(), all->end(), 0.0);
+        for (Vector* all : {&poses, &pose_covers, &covers, &ends}) std::fill(all->begin(), all->end(), 0.0);
     }
 };
 

@@ -1,4 +1,5 @@
-// Solves the Newton system: lines are eliminated pair by pair, the rest is one Riccati sweep over the stages.
+// Solves the Newton system: what lines the assembly has left are eliminated, the rest is one Riccati sweep over the
+// stages.
 #pragma once
 
 #include <algorithm>
@@ -9,22 +10,6 @@
 #include "tightspot/stagewise/riccati.hpp"
 
 namespace tightspot::stagewise {
-
-// A line's 2 x 2 block, made positive definite if need be, inverted.
-template <class P>
-struct LineInverse {
-    P phi_phi, phi_mu, mu_mu;
-};
-
-// Inverse of [[a, b], [b, d]] with d > 0. If its Schur complement a - b^2/d is not clearly positive, a is raised so that
-// the complement becomes its own absolute value: the line's own convexification, which leaves the vehicle's alone.
-template <class P>
-inline LineInverse<P> invert_line(P a, P b, P d) {
-    // a is a sum as large as b^2/d; what is left of it must stand out from its rounding.
-    const P ratio = b / d, floor = larger(1e-13 * magnitude(b * ratio), P(1e-10)), rest = a - b * ratio;
-    const P inverse = 1.0 / choose(rest, floor, rest, larger(magnitude(rest), 10.0 * floor));
-    return {inverse, -inverse * ratio, 1.0 / d + inverse * ratio * ratio};
-}
 
 template <class Model>
 class Sweep {
@@ -50,9 +35,7 @@ class Sweep {
             const double own = share(k) * regularisation;
             bool done;
             if (assembly.coupled(k)) {
-                StageQuadratic<Model> stage = assembly.stages[k];
-                eliminate_lines(assembly, k, stage);
-                done = factors_[k].template back<true>(stage, nullptr, F, own, P);
+                done = factors_[k].template back<true>(without_lines(assembly, k), nullptr, F, own, P);
             } else {
                 const double* pose = eliminated_.data() + 6 * k;
                 done = factors_[k].template back<false>(assembly.stages[k], pose, F, own, P);
@@ -62,7 +45,7 @@ class Sweep {
         return factor_root(P);
     }
 
-    // The step dv and the new multipliers lam (of the dynamics) and nu (of the goal), for the quadratic with the given
+    // The step dv, but that of lines that the assembly eliminates, and the new multipliers lam (of the dynamics) and nu (of the goal), for the quadratic with the given
     // gradient, the defects d and the goal's residual. x_0's fixed components do not move.
     void solve(const Assembly<Model>& assembly, const Gradient& gradient, const double* defects,
                const double* goal_residual, const double* goal_multiplier, double goal_penalty, double* dv, double* lam,
@@ -110,10 +93,7 @@ class Sweep {
         over_uncoupled(assembly, [&](auto zero, const RowGroup& group, const double* at) {
             using P = decltype(zero);
             Reader<P> block{at};
-            const P a = block.next(), b = block.next(), d = block.next();
-            const LineInverse<P> inverse = invert_line<P>(a, b, d);
-            Writer<P> kept{inverses_.data() + 3 * group.line};
-            kept.put(inverse.phi_phi), kept.put(inverse.phi_mu), kept.put(inverse.mu_mu);
+            const LineInverse<P> inverse = invert_lines(block, inverses_.data() + 3 * group.line);
             block.at += 2 * lane_count<P>;
             P phi[3], mu[3], r[3], s[3];
             for (P& entry : phi) entry = block.next();
@@ -128,10 +108,19 @@ class Sweep {
         });
     }
 
-    void eliminate_lines(const Assembly<Model>& assembly, int k, StageQuadratic<Model>& stage) {
-        const int parts = problem_.parts.size();
-        for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
-            if (layout_.soft[i] >= 0) eliminate_penetration(assembly, i, stage);
+    // Pairs of a coupled interval that are eliminated one by one.
+    template <class Body>
+    static void over_single(const Assembly<Model>& assembly, int k, Body&& body) {
+        const RowGroups& rows = assembly.rows;
+        for (int place = rows.first_single[k]; place < rows.first_single[k + 1]; ++place) body(rows.single[place]);
+    }
+
+    // A coupled interval's quadratic without lines; `stage_` holds it if there were any.
+    const StageQuadratic<Model>& without_lines(const Assembly<Model>& assembly, int k) {
+        if (assembly.rows.first_single[k] == assembly.rows.first_single[k + 1]) return assembly.stages[k];
+        stage_ = assembly.stages[k];
+        over_single(assembly, k, [&](int i) {
+            if (layout_.soft[i] >= 0) eliminate_penetration(assembly, i, stage_);
             const PairBlock<Model>& pair = block(assembly, i);
             const LineInverse<double> inverse = pair_inverses_[i] =
                 invert_line<double>(pair.phi_phi, pair.phi_mu, pair.mu_mu);
@@ -140,8 +129,9 @@ class Sweep {
                 phi[c] = inverse.phi_phi * pair.phi[c] + inverse.phi_mu * pair.mu[c];
                 mu[c] = inverse.phi_mu * pair.phi[c] + inverse.mu_mu * pair.mu[c];
             }
-            stage.subtract_outer(pair.phi, phi, pair.mu, mu);
-        }
+            stage_.subtract_outer(pair.phi, phi, pair.mu, mu);
+        });
+        return stage_;
     }
 
     // A pair's block, without the penetration if it is soft.
@@ -201,33 +191,19 @@ class Sweep {
         });
     }
 
-    // The step of lines, phi and mu, by their inverses for the given gradient.
-    template <class P>
-    struct LineStep {
-        P phi, mu;
-
-        LineStep(const double* inverses, const double* gradient, P more_phi = 0.0, P more_mu = 0.0) {
-            Reader<P> inverse{inverses}, g{gradient};
-            const P a = inverse.next(), b = inverse.next(), d = inverse.next();
-            const P g_phi = g.next() + more_phi, g_mu = g.next() + more_mu;
-            phi = -a * g_phi - b * g_mu, mu = -b * g_phi - d * g_mu;
-        }
-    };
-
     void reduce_gradient(const Assembly<Model>& assembly, const Gradient& gradient, int k) {
-        const int parts = problem_.parts.size();
         double* g = gradient_.data() + k * nw;
-        for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
+        over_single(assembly, k, [&](int i) {
             const PairBlock<Model>& pair = block(assembly, i);
             const LineInverse<double>& inverse = pair_inverses_[i];
             const auto [a, b] = line_gradient(assembly, gradient, i);
             const double phi = inverse.phi_phi * a + inverse.phi_mu * b, mu = inverse.phi_mu * a + inverse.mu_mu * b;
             for (int c = 0; c < nw; ++c) g[c] -= pair.phi[c] * phi + pair.mu[c] * mu;
             const int j = layout_.soft[i];
-            if (j < 0) continue;
+            if (j < 0) return;
             const double move = gradient.forces.penetrations[j] * penetration_inverses_[j];
             for (int c = 0; c < nw; ++c) g[c] -= assembly.penetrations[j].w[c] * move;
-        }
+        });
     }
 
     void solve_root(const double* p, double* dv) {
@@ -271,10 +247,10 @@ class Sweep {
     }
 
     void step_lines(const Assembly<Model>& assembly, const Gradient& gradient, int k, double* dv) const {
-        const int parts = problem_.parts.size();
+        if (assembly.rows.first_single[k] == assembly.rows.first_single[k + 1]) return;
         double w[nw];
         assembly.gather(dv, k, w);
-        for (int i = layout_.pair[k * parts]; i < layout_.pair[(k + 1) * parts]; ++i) {
+        over_single(assembly, k, [&](int i) {
             const PairBlock<Model>& pair = block(assembly, i);
             auto [phi, mu] = line_gradient(assembly, gradient, i);
             for (int c = 0; c < nw; ++c) phi += pair.phi[c] * w[c], mu += pair.mu[c] * w[c];
@@ -282,7 +258,7 @@ class Sweep {
             dv[layout_.aux(i)] = -inverse.phi_phi * phi - inverse.phi_mu * mu;
             dv[layout_.aux(i) + 1] = -inverse.phi_mu * phi - inverse.mu_mu * mu;
             if (layout_.soft[i] >= 0) step_penetration(assembly, gradient, i, w, dv);
-        }
+        });
     }
 
     void step_penetration(const Assembly<Model>& assembly, const Gradient& gradient, int i, const double* w,
@@ -299,6 +275,7 @@ class Sweep {
     const Layout& layout_;
     std::vector<RiccatiStage<Model>> factors_;
     std::vector<LineInverse<double>> pair_inverses_;  // of pairs in coupled intervals
+    StageQuadratic<Model> stage_;                     // see `without_lines`
     std::vector<PairBlock<Model>> softened_;          // of soft pairs, see `block`
     Vector penetration_inverses_;
     Vector gradient_;
