@@ -120,12 +120,9 @@ class Assembly {
             stagewise::curvature(problem_, layout_, v, convoy, at, sensitivities, lam, out.forces.poses.data(), H);
             for (int l = 0; l < convoy.count; ++l) {
                 StageQuadratic<Model>& stage = stages[convoy.first + l];
-                for (int c = 0; c < 2 * S::na; ++c) stage.own[c] = 0;
-                for (int r = 0; r < n; ++r) {
-                    double* row = stage.own + (2 + r) * S::na;
-                    row[0] = row[1] = 0;
-                    for (int c = 0; c < n; ++c) row[2 + c] = H[r * n + c][l];
-                }
+                begin(convoy.first + l, stage);
+                for (int r = 0; r < n; ++r)
+                    for (int c = 0; c < n; ++c) stage.own[(2 + r) * S::na + 2 + c] += H[r * n + c][l];
                 complete(v, static_cast<int>(i), l, out.forces, diagonal);
             }
         }
@@ -255,35 +252,38 @@ class Assembly {
                 layout_.sample[k + 1] - layout_.sample[k] - 1};
     }
 
-    // Adds to lane l of a convoy, whose own block holds the motion's curvature, all that is not the lines'.
+    // Sets an interval's quadratic to what is of first order in covers: whole rows, which come before single numbers, as a
+    // processor waits when it reads at once what was written apart.
+    void begin(int k, StageQuadratic<Model>& stage) const {
+        for (double& entry : stage.own) entry = 0;
+        for (double& entry : stage.ahead) entry = 0;
+        if (!coupled(k)) return;
+        for (double& entry : stage.mixed) entry = 0;
+        for (int part = 0; has_cover(k) && part < parts(); ++part) {
+            double row[S::nw] = {};
+            for (int p = layout_.sample[k]; p < layout_.sample[k + 1]; ++p)
+                chain(k).add(p - layout_.sample[k], curvature.pose_covers.data() + 3 * (p * parts() + part), row);
+            if (views_.any(k)) row[S::nx] += views_.curvature.cover_times[k * parts() + part];
+            covers_.add_outer(k, part, curvature.covers[k * parts() + part], row, stage);
+        }
+    }
+
+    // Adds to lane l of a convoy all else that is not the lines'.
     void complete(const double* v, int index, int l, const Forces& forces, const double* diagonal) {
-        const int k = layout_.convoys[index].first + l, parts = problem_.parts.size();
+        const int k = layout_.convoys[index].first + l;
         const int first = layout_.sample[k], last = layout_.sample[k + 1] - 1;
         StageQuadratic<Model>& stage = stages[k];
-        for (double& entry : stage.ahead) entry = 0;
-        add_pose_block(curvature.poses.data() + 6 * last, stage.ahead, S::nx);
+        add_pose_block(curvature.poses.data() + 6 * last, stage.ahead, S::na);
         add_objective(v, k, stage.own);
         add_diagonal(k, diagonal, stage);
         if (!coupled(k)) return;
-        for (double& entry : stage.mixed) entry = 0;
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) stage.mixed[i * S::na + j] = curvature.ends[9 * k + 3 * i + j];
+            for (int j = 0; j < 3; ++j) stage.mixed[i * S::na + j] += curvature.ends[9 * k + 3 * i + j];
         add_pose_block(curvature.poses.data() + 6 * first, stage.own, S::na);
         for (int p = first + 1; p < last; ++p)
             chain(k).add_block(p - first, curvature.poses.data() + 6 * p, stage.own);
         if (views_.any(k)) add_time_curvature(k, stage);
-        if (!has_cover(k)) return;
-        covers_.add_curvature(index, l, forces.covers.data() + k * parts, stage);
-        for (int part = 0; part < parts; ++part) {
-            double row[S::nw] = {}, both[S::nw];
-            for (int p = first; p <= last; ++p)
-                chain(k).add(p - first, curvature.pose_covers.data() + 3 * (p * parts + part), row);
-            if (views_.any(k)) row[S::nx] += views_.curvature.cover_times[k * parts + part];
-            const double* gradient = covers_.gradients.data() + (k * parts + part) * S::nw;
-            const double own = curvature.covers[k * parts + part];
-            for (int i = 0; i < S::nw; ++i) both[i] = -own * gradient[i] - row[i], row[i] = -row[i];
-            stage.subtract_outer(both, gradient, gradient, row);
-        }
+        if (has_cover(k)) covers_.add_curvature(index, l, forces.covers.data() + k * parts(), stage);
     }
 
     // What moving obstacles add along t_f, to the quadratic of interval k.
@@ -403,7 +403,7 @@ class Assembly {
         for (int i = 0; i < S::nu; ++i) stage.own[(S::nz + i) * (S::na + 1)] += diagonal[layout_.u(k) + i];
         if (k == 0) stage.own[S::nx * (S::na + 1)] += diagonal[layout_.time];
         if (k + 1 == problem_.steps)
-            for (int i = 0; i < S::nx; ++i) stage.ahead[i * (S::nx + 1)] += diagonal[layout_.x(k + 1) + i];
+            for (int i = 0; i < S::nx; ++i) stage.ahead[i * (S::na + 1)] += diagonal[layout_.x(k + 1) + i];
     }
 
     Covers<Model> covers_;

@@ -63,8 +63,34 @@ class Covers {
                     const double entry = forces[part] * H[i * S::na + j][l];
                     out.own[i * S::na + j] += entry;
                     if (i < S::nx) out.mixed[i * S::na + j] += entry;
-                    if (i < S::nx && j < S::nx) out.ahead[i * S::nx + j] += entry;
+                    if (i < S::nx && j < S::nx) out.ahead[i * S::na + j] += entry;
                 }
+        }
+    }
+
+    // What is of first order in a cover, with the gradient g of interval k and part: `own` g g' + row g' + g row', where
+    // only poses of x_{k+1} count in `row`, and g is zero along poses and the same for both states.
+    void add_outer(int k, int part, double own, const double* row, StageQuadratic<Model>& out) const {
+        using Row = RowVector<S::na>;
+        const double* g = gradients.data() + (k * problem_.parts.size() + part) * S::nw;
+        const Row gradient = Row::read(g);
+        Row both = Row::read(row);
+        both.add(own, gradient);
+        const auto add = [](double* to, double factor, const Row& by) {
+            Row sum = Row::read(to);
+            sum.add(factor, by);
+            sum.write(to);
+        };
+        for (int i = 0; i < S::na; ++i) add(out.own + i * S::na, row[i], gradient);
+        for (int i = pose; i < S::na; ++i) add(out.own + i * S::na, g[i], both);
+        for (int i = 0; i < S::nx; ++i)
+            add(out.mixed + i * S::na, i < pose ? row[S::na + i] : g[i], i < pose ? gradient : both);
+        for (int j = pose; j < S::nx; ++j) {
+            for (int i = 0; i < pose; ++i) {
+                const double entry = row[S::na + i] * g[j];
+                out.ahead[i * S::na + j] += entry, out.ahead[j * S::na + i] += entry;
+            }
+            for (int i = pose; i < S::nx; ++i) out.ahead[i * S::na + j] += own * g[i] * g[j];
         }
     }
 

@@ -293,7 +293,7 @@ class Newton {
             for (int j = 0; j < S::na; ++j) full[index[i] * n + index[j]] += stage.own[i * S::na + j];
         for (int i = 0; i < S::nx; ++i) {
             const std::size_t ahead = index[S::na + i] * n;
-            for (int j = 0; j < S::nx; ++j) full[ahead + index[S::na + j]] += stage.ahead[i * S::nx + j];
+            for (int j = 0; j < S::nx; ++j) full[ahead + index[S::na + j]] += stage.ahead[i * S::na + j];
             for (int j = 0; assembly_.coupled(k) && j < S::na; ++j) {
                 full[ahead + index[j]] += stage.mixed[i * S::na + j];
                 full[index[j] * n + index[S::na + i]] += stage.mixed[i * S::na + j];

@@ -100,19 +100,30 @@ class RiccatiStage {
     // P' = P_{k+1} plus the interval's own quadratic in (x_{k+1}, t_f); C: what is mixed between x_{k+1} and (x_k, u_k).
     template <bool coupled>
     void look_ahead(const StageQuadratic<Model>& stage, const double* pose, double* P) {
-        const int block = coupled ? nx : 3;
+        if (coupled) return add_whole(stage, P);
         for (int i = 0; i < nx; ++i) {
-            for (int j = 0; j < block && i < block; ++j) P[i * na + j] += stage.ahead[i * nx + j];
-            if (!coupled && i >= block) P[i * na + i] += stage.ahead[i * nx + i];
+            for (int j = 0; j < 3 && i < 3; ++j) P[i * na + j] += stage.ahead[i * na + j];
+            if (i >= 3) P[i * na + i] += stage.ahead[i * na + i];
         }
-        if (!coupled) add_pose_block(pose, P, na);
-        for (int i = 0; coupled && i < nx; ++i) {
-            Row::read(stage.mixed + i * na).write(mixed_ + i * na);
-            mixed_[i * na + nx] = 0;
-            P[i * na + nx] += stage.mixed[i * na + nx];
-            P[nx * na + i] += stage.mixed[i * na + nx];
-        }
+        add_pose_block(pose, P, na);
         for (int i = 0; i < nz; ++i) Row::read(P + i * na).write(ahead_ + i * na);
+    }
+
+    // The same where all of the quadratic counts: whole rows at once.
+    void add_whole(const StageQuadratic<Model>& stage, double* P) {
+        const Row time = Row::read(unit.rows + nx * na);
+        double of_time[na] = {};
+        for (int i = 0; i < nx; ++i) {
+            const double entry = of_time[i] = stage.mixed[i * na + nx];
+            Row row = Row::read(P + i * na), mixed = Row::read(stage.mixed + i * na);
+            row.add(1.0, Row::read(stage.ahead + i * na)), row.add(entry, time);
+            row.write(P + i * na), row.write(ahead_ + i * na);
+            mixed.add(-entry, time);
+            mixed.write(mixed_ + i * na);
+        }
+        Row last = Row::read(P + nx * na);
+        last.add(1.0, Row::read(of_time));
+        last.write(P + nx * na), last.write(ahead_ + nx * na);
     }
 
     // Row i of M = P' F + C, where F goes on with the unit row of t_f.

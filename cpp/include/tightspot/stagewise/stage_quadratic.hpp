@@ -13,7 +13,7 @@ struct StageQuadratic {
     using S = Sizes<Model>;
     double own[S::na * S::na];    // of a
     double mixed[S::nx * S::na];  // between x_{k+1} and a; 0 unless the interval is coupled
-    double ahead[S::nx * S::nx];  // of x_{k+1}
+    double ahead[S::nx * S::na];  // of x_{k+1}, rows as long as the others', whose last numbers do not count
 
     // -= p q' + r s', a symmetric matrix of length nw.
     void subtract_outer(const double* p, const double* q, const double* r, const double* s) {
@@ -29,7 +29,7 @@ struct StageQuadratic {
         for (int i = 0; i < S::na; ++i) subtract(i, q_own, s_own, own + i * S::na);
         for (int i = 0; i < S::nx; ++i) {
             subtract(S::na + i, q_own, s_own, mixed + i * S::na);
-            subtract(S::na + i, q_ahead, s_ahead, ahead + i * S::nx);
+            subtract(S::na + i, q_ahead, s_ahead, ahead + i * S::na);
         }
     }
 
@@ -40,7 +40,7 @@ struct StageQuadratic {
         for (int i = 0; i < S::nx; ++i) {
             const double row = factor * p[S::na + i];
             for (int j = 0; j < S::na; ++j) mixed[i * S::na + j] -= row * p[j];
-            for (int j = 0; j < S::nx; ++j) ahead[i * S::nx + j] -= row * p[S::na + j];
+            for (int j = 0; j < S::nx; ++j) ahead[i * S::na + j] -= row * p[S::na + j];
         }
     }
 };
