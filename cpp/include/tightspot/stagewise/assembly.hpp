@@ -255,10 +255,9 @@ class Assembly {
     // Sets an interval's quadratic to what is of first order in covers: whole rows, which come before single numbers, as a
     // processor waits when it reads at once what was written apart.
     void begin(int k, StageQuadratic<Model>& stage) const {
-        for (double& entry : stage.own) entry = 0;
-        for (double& entry : stage.ahead) entry = 0;
+        clear(stage.own), clear(stage.ahead);
         if (!coupled(k)) return;
-        for (double& entry : stage.mixed) entry = 0;
+        clear(stage.mixed);
         for (int part = 0; has_cover(k) && part < parts(); ++part) {
             double row[S::nw] = {};
             for (int p = layout_.sample[k]; p < layout_.sample[k + 1]; ++p)

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 namespace tightspot::stagewise {
 
@@ -87,6 +88,17 @@ inline P load(const double* from) {
 template <class P>
 inline void store(P p, double* to) {
     std::memcpy(to, &p, sizeof p);
+}
+
+// Zeros, one store after another: at these sizes the string instruction that compilers make of a loop starts too slowly.
+template <std::size_t... packs, std::size_t... rest>
+inline void clear(double* to, std::index_sequence<packs...>, std::index_sequence<rest...>) {
+    (store(Pack(0.0), to + packs * lanes), ...);
+    ((to[sizeof...(packs) * lanes + rest] = 0), ...);
+}
+template <std::size_t n>
+inline void clear(double (&numbers)[n]) {
+    clear(numbers, std::make_index_sequence<n / lanes>{}, std::make_index_sequence<n % lanes>{});
 }
 
 template <class P>

@@ -13,7 +13,7 @@ struct StageQuadratic {
     using S = Sizes<Model>;
     double own[S::na * S::na];    // of a
     double mixed[S::nx * S::na];  // between x_{k+1} and a; 0 unless the interval is coupled
-    double ahead[S::nx * S::na];  // of x_{k+1}, rows as long as the others', whose last numbers do not count
+    double ahead[S::nx * S::na];  // of x_{k+1}, rows as long as the others', which end in zeros
 
     // -= p q' + r s', a symmetric matrix of length nw.
     void subtract_outer(const double* p, const double* q, const double* r, const double* s) {
