@@ -143,3 +143,17 @@ def test_without_obstacles_the_clearance_is_infinite():
 def test_a_crowd_of_obstacles_is_judged_quickly(problems):
     crowd = scene([box(0.003 * i, 0.5) for i in range(500)])
     assert len(problems(lambda: check(crowd, PAPER, 0.05))) >= 1
+
+
+def test_within_reach_nothing_is_left_out():
+    rng = np.random.default_rng(3)
+    for _ in range(60):
+        rings = [np.array(box(0, 0, *rng.uniform(0.2, 3, 2))) for _ in range(6)]
+        turned = [rotate(Polygon(ring), rng.uniform(0, 360)) for ring in rings]
+        placed = [translate(ring, *rng.uniform(-5, 7, 2)).exterior.coords[:4] for ring in turned]
+        there = scene([list(map(list, ring)) for ring in placed], (0.0, 0.0, rng.uniform(-3, 3)))
+        reach = float(rng.uniform(0.0, 1.0))
+        everything = {found.obstacle: found.value for found in clearances(there, PAPER, there.start)}
+        near = {found.obstacle: found.value for found in clearances(there, PAPER, there.start, reach=reach)}
+        wanted = {name: value for name, value in everything.items() if value <= reach}
+        assert wanted.items() <= near.items() <= everything.items()

@@ -1,5 +1,9 @@
 """The stagewise solver against IPOPT: same optima, and its points satisfy the Nlp's optimality conditions."""
 
+import os
+import signal
+import threading
+import time
 from dataclasses import replace
 
 import casadi as ca
@@ -12,7 +16,7 @@ from tightspot.guesses import HybridAStar
 from tightspot.scenarios import check
 from tightspot.scenarios.library import builtin
 from tightspot.solvers import Ipopt
-from tightspot.solvers.stagewise import Stagewise
+from tightspot.solvers.stagewise import Stagewise, core_solver
 from tightspot.transcription import Objective, Settings, TimeGrid, transcribe
 from tightspot.transcription.stage_problem import stage_problem
 from tightspot.vehicles import vehicle
@@ -119,3 +123,32 @@ def test_positions_kept_for_a_structure_belong_to_every_problem_of_it():
     assert third.n_rows < first.n_rows
     assert third.lines.size == first.lines.size - 1
     assert np.array_equal(order_of(problem).rows, first.rows)
+
+
+def test_an_interrupt_is_seen_while_the_core_works_even_without_a_callback():
+    arguments, grid = case("parallel", SweptLine(), steps=8000)
+    problem = stage_problem(*arguments, **grid)
+    core = core_solver(problem)
+    core.set(problem.starting_point())
+    seen = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: seen.append(time.perf_counter()))
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    try:
+        timer.start()
+        core.solve(Stagewise(max_iterations=40).options(), None)
+        ended = time.perf_counter()
+        timer.join()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert len(seen) == 1
+    assert seen[0] < ended - 0.02
+
+
+def test_an_interrupt_ends_a_solve_that_has_no_callback():
+    arguments, grid = case("parallel", SweptLine(), steps=8000)
+    problem = stage_problem(*arguments, **grid)
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        Stagewise(time_limit=20.0).solve_stages(problem)
+    timer.join()

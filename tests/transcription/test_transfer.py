@@ -127,6 +127,22 @@ def test_the_stagewise_solver_s_lines_are_carried_over_to_a_finer_mesh():
     assert finer.objective == pytest.approx(Stagewise().solve_stages(closed).objective, rel=1e-5)
 
 
+def test_pairs_that_had_no_line_keep_their_closed_form():
+    masks = np.random.default_rng(0).random((2, 20, 1, len(SCENE.obstacle_polygons))) < 0.5
+    old = stage_problem(SCENE, CAR, GUESS, settings(), grid=COARSE, active=masks[0])
+    report = Stagewise().solve_stages(old)
+    new = stage_problem(SCENE, CAR, GUESS, settings(), grid=COARSE, active=masks[1])
+    carried = carry_lines(COARSE, report, new)
+    where = {tuple(pair): line for pair, line in zip(report.pairs.tolist(), report.lines, strict=True)}
+    assert where.keys() & set(map(tuple, new.pairs.tolist()))
+    for pair, line, closed in zip(new.pairs.tolist(), carried.lines, new.lines, strict=True):
+        np.testing.assert_array_equal(line, where.get(tuple(pair), closed))
+    nothing = stage_problem(SCENE, CAR, GUESS, settings(), grid=COARSE, active=np.zeros_like(masks[0]))
+    free = Stagewise().solve_stages(nothing)
+    np.testing.assert_array_equal(carry_lines(COARSE, free, new).lines, new.lines)
+    assert carry_lines(COARSE, report, nothing).lines.shape == (0, 2)
+
+
 def test_a_point_of_one_backend_starts_another():
     """The stagewise report's vectors are those of the Nlp, so that IPOPT can go on where it stopped."""
     problem = stage_problem(SCENE, CAR, GUESS, settings(), grid=COARSE)

@@ -21,7 +21,7 @@ from tightspot.planner.explanation import Explanation, FailureKind
 from tightspot.planner.fell_back import fell_back_from
 from tightspot.planner.mesh import gear_changes, path_length
 from tightspot.planner.portfolio import EFFORTS, Course, Effort, run_portfolio
-from tightspot.planner.progress import ProgressCallback
+from tightspot.planner.progress import ProgressCallback, unheard
 from tightspot.planner.request import Request, resolve, resolve_vehicle
 from tightspot.planner.rounds import Round
 from tightspot.scenarios import Scenario, load
@@ -91,7 +91,7 @@ def plan(
     """
     started = time.perf_counter()
     chosen = known_effort(effort)
-    tell = progress or (lambda news: None)
+    tell = progress or unheard
     seconds = SECONDS if explain else None
     scene = scenario if isinstance(scenario, Scenario) else load(scenario)
 

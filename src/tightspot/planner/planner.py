@@ -18,7 +18,7 @@ from tightspot.planner.changes import Changes, changes_between
 from tightspot.planner.explain import SECONDS
 from tightspot.planner.pipeline import known_effort, plan_request, report_of, resolve_or_explain
 from tightspot.planner.portfolio import Course, Member
-from tightspot.planner.progress import ProgressCallback
+from tightspot.planner.progress import ProgressCallback, unheard
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Round
 from tightspot.planner.warm import KeptCore, warm_rounds
@@ -79,8 +79,7 @@ class Planner:
         self._arguments = objective, formulation, guess, solver, steps, margin, refinements, time_limit
         self._effort, self._seed = known_effort(effort), seed
         self._seconds = SECONDS if explain else None
-        self._tell: ProgressCallback = progress or (lambda news: None)
-        self._watched = progress is not None
+        self._tell: ProgressCallback = progress or unheard
         self._last: tuple[Request, Round] | None = None
         self._cold_steps = 0
         self._core = KeptCore()
@@ -155,7 +154,7 @@ class Planner:
         if steps > GROWN * self._cold_steps:
             return f"the mesh has grown from {self._cold_steps} to {steps} intervals"
         until = started + request.time_limit
-        rounds = warm_rounds(request, last, self._core, self._tell, until, watched=self._watched)
+        rounds = warm_rounds(request, last, self._core, self._tell, until)
         final = rounds[-1]
         if final.certificate is None:
             return f"from the last plan the solver failed ({final.report.status.sentence})"

@@ -19,7 +19,7 @@ from tightspot.guesses.hybrid_astar import MORE_THAN_MARGIN
 from tightspot.planner.as_found import driven_as_found
 from tightspot.planner.course import certified, run_rounds
 from tightspot.planner.mesh import steps_for
-from tightspot.planner.progress import Progress, ProgressCallback
+from tightspot.planner.progress import Progress, ProgressCallback, unheard
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round
 from tightspot.scenarios.bottleneck import is_closed
@@ -276,7 +276,10 @@ def is_hopeless(request: Request, course: Course) -> bool:
 def on_all_cores(
     request: Request, members: Sequence[Member], tell: ProgressCallback, deadline: float, *, stop_at_first: bool
 ) -> list[Course]:
-    """Courses as they end. The search and the stagewise solver run beside each other, other solvers do not."""
+    """Courses as they end. The search and the stagewise solver run beside each other, other solvers do not.
+
+    The progress of courses that run beside each other is not told: it would be a medley.
+    """
     done: list[Course] = []
     if not members:
         return done
@@ -291,7 +294,7 @@ def on_all_cores(
     with ThreadPoolExecutor(cores) as pool:
         while waiting or running:
             while waiting and len(running) < cores and time.perf_counter() < deadline:
-                running.add(pool.submit(attempt, request, waiting.pop(0), _quietly, deadline))
+                running.add(pool.submit(attempt, request, waiting.pop(0), unheard, deadline))
             if not running:
                 break
             ended, running = wait(running, timeout=POLL_SECONDS, return_when=FIRST_COMPLETED)
@@ -311,10 +314,6 @@ def cores_for(request: Request) -> int:
 
 def _any_certified(courses: Sequence[Course]) -> bool:
     return any(course.certified for course in courses)
-
-
-def _quietly(news: Progress) -> None:
-    """Progress of courses that run beside each other is not told: it would be a medley."""
 
 
 def attempt(

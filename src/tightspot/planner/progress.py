@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from tightspot.solvers.base import Iteration
+from tightspot.solvers.base import Iteration, IterationCallback
 
 Phase = Literal["guess", "solve", "verify", "refine", "explain"]
 
@@ -29,3 +29,18 @@ class Progress:
 
 
 ProgressCallback = Callable[[Progress], None]
+
+
+def unheard(news: Progress) -> None:
+    """For those who do not want to be told anything."""
+
+
+def iterations_told(tell: ProgressCallback, number: int) -> IterationCallback | None:
+    """Tells of a solver's iterations in a round; ``None`` if nobody listens."""
+    if tell is unheard:
+        return None
+
+    def watch(iteration: Iteration) -> None:
+        tell(Progress("solve", f"iteration {iteration.number}", number, iteration))
+
+    return watch

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.formulations import Formulation, with_unit_normal
-from tightspot.planner.progress import Progress, ProgressCallback
+from tightspot.planner.progress import Progress, ProgressCallback, iterations_told
 from tightspot.planner.request import Request
 from tightspot.solvers import (
     Fatrop,
-    Iteration,
     IterationCallback,
     Solver,
     SolveReport,
@@ -191,9 +190,7 @@ def run_round(
         member = with_unit_normal(mesh.formulation) if solver == Fatrop.name else None
         return partial(program, member or mesh.formulation)
 
-    def watch(iteration: Iteration) -> None:
-        progress(Progress("solve", f"iteration {iteration.number}", number, iteration))
-
+    watch = iterations_told(progress, number)
     reports: list[SolveReport] = [] if solved is None else [solved]
     for solver in () if solved is not None else (request.solver, *request.fallbacks):
         if isinstance(solver, Stagewise) and not fits_stages(request.vehicle, mesh.formulation):
@@ -225,7 +222,7 @@ def _solved(
     step: Step,
     solver: Solver,
     program: Callable[[], Transcription],
-    watch: IterationCallback,
+    watch: IterationCallback | None,
 ) -> SolveReport:
     """By the stagewise solver from arrays, by others from the nonlinear program, each with what can be carried over."""
     before = step.before

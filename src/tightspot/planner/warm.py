@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 from tightspot.planner.course import certified
-from tightspot.planner.progress import Progress, ProgressCallback
+from tightspot.planner.progress import Progress, ProgressCallback, iterations_told
 from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round, Step, problem_of, run_round
 from tightspot.planner.strategy import next_step
-from tightspot.solvers import Iteration, IterationCallback, StagePoint, StageProblem, StageReport, Stagewise
+from tightspot.solvers import IterationCallback, StagePoint, StageProblem, StageReport, Stagewise
 from tightspot.solvers.stagewise import WARM_ITERATIONS, core_solver
 from tightspot.transcription import carry_lines, moved_ends
 
@@ -38,18 +38,15 @@ class KeptCore:
         return self._core
 
 
-def warm_rounds(
-    request: Request, last: Round, core: KeptCore, tell: ProgressCallback, deadline: float, *, watched: bool
-) -> list[Round]:
+def warm_rounds(request: Request, last: Round, core: KeptCore, tell: ProgressCallback, deadline: float) -> list[Round]:
     """The request solved on the mesh of ``last``, from its trajectory, lines and multipliers; refined if need be.
 
-    No fall-back solvers, and no other starts: what does not come out at once is better planned anew. Iterations are
-    told if anybody has ``watched``.
+    No fall-back solvers, and no other starts: what does not come out at once is better planned anew.
     """
     alone = replace(request, fallbacks=())
     start = last.trajectory
     step: Step | None = Step(last.mesh, start, "warm", "from the last plan", last)
-    solved = _solved_again(alone, last, core, deadline - time.perf_counter(), _watch(tell) if watched else None)
+    solved = _solved_again(alone, last, core, deadline - time.perf_counter(), iterations_told(tell, 0))
     rounds: list[Round] = []
     while step is not None:
         number = len(rounds)
@@ -79,10 +76,3 @@ def _solved_again(
     old = report.point
     point = StagePoint(problem.starting_point(), old.s, old.z, old.zb, old.lam, old.nu)
     return quick.solve_stages(problem, warm=point, callback=watch, core=core.of(problem))
-
-
-def _watch(tell: ProgressCallback) -> IterationCallback:
-    def watch(iteration: Iteration) -> None:
-        tell(Progress("solve", f"iteration {iteration.number}", 0, iteration))
-
-    return watch

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import Problem
-from tightspot.scenarios.clearances import Clearance, clearances, workspace_excess
+from tightspot.scenarios.clearances import Clearance, body_vertices, clearances, workspace_excess
 from tightspot.scenarios.remedies import SLACK, largest_width, overlap_depth, shortest_move, smallest_turn
 from tightspot.scenarios.scenario import Scenario
 from tightspot.vehicles import VehicleModel, body_width
@@ -124,14 +124,15 @@ def blocked(scenario: Scenario, vehicle: VehicleModel, margin: float, end: Liter
         end: Which of the two.
     """
     state = getattr(scenario, end)
-    near = clearances(scenario, vehicle, state, reach=margin)
+    bodies = body_vertices(vehicle, state)
+    near = clearances(scenario, vehicle, state, margin, bodies)
     obstacles = tuple(
         sorted(
             (_whole(scenario, vehicle, state, found) for found in near if found.value < margin - SLACK),
             key=lambda found: found.value,
         )
     )
-    excess, normal = workspace_excess(scenario, vehicle, state)
+    excess, normal = workspace_excess(scenario, vehicle, state, bodies)
     is_outside = excess > SLACK
     if not (obstacles or is_outside):
         return None

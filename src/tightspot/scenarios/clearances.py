@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.geometry import best_line, transform
+from tightspot.geometry import ConvexPolygon, best_line, transform
 from tightspot.scenarios.scenario import Scenario
 from tightspot.scenarios.states import STATE
 from tightspot.vehicles import VehicleModel
@@ -31,7 +31,13 @@ class Clearance(NamedTuple):
     normal: Array
 
 
-def clearances(scenario: Scenario, vehicle: VehicleModel, state: Array, reach: float = np.inf) -> list[Clearance]:
+def clearances(
+    scenario: Scenario,
+    vehicle: VehicleModel,
+    state: Array,
+    reach: float = np.inf,
+    bodies: list[tuple[str, Array]] | None = None,
+) -> list[Clearance]:
     """One :class:`Clearance` an obstacle, nearest first, of the vehicle in one state.
 
     Args:
@@ -39,11 +45,13 @@ def clearances(scenario: Scenario, vehicle: VehicleModel, state: Array, reach: f
         vehicle: The vehicle.
         state: (x, y, theta, v, delta), free entries NaN.
         reach: Obstacles farther away than this may be left out, m.
+        bodies: The :func:`body_vertices` in that state if they are known.
     """
-    bodies = body_vertices(vehicle, state)
+    bodies = body_vertices(vehicle, state) if bodies is None else bodies
     corners = np.vstack([vertices for _, vertices in bodies])
     labels, parts = scenario.part_labels, scenario.obstacle_polygons
-    near = np.flatnonzero(parts.box_distances(corners) <= reach).tolist()
+    boxes = np.flatnonzero(parts.box_distances(corners) <= reach).tolist()
+    near = [i for i in boxes if not _beyond_an_edge(parts[i], corners, reach)]
     if not near:
         return []
     padded = padded_vertices([parts[i].vertices for i in near])
@@ -63,9 +71,17 @@ def clearance(scenario: Scenario, vehicle: VehicleModel, state: Array) -> Cleara
     return found[0] if found else Clearance(np.inf, "", "", np.zeros(2))
 
 
-def workspace_excess(scenario: Scenario, vehicle: VehicleModel, state: Array) -> tuple[float, Array]:
+def _beyond_an_edge(polygon: ConvexPolygon, points: Array, distance: float) -> bool:
+    """Whether all points are farther than that from the line through one edge, hence from the polygon."""
+    return bool(((points @ polygon.A.T).min(axis=0) - polygon.b).max() > distance)
+
+
+def workspace_excess(
+    scenario: Scenario, vehicle: VehicleModel, state: Array, bodies: list[tuple[str, Array]] | None = None
+) -> tuple[float, Array]:
     """How far the body reaches out of the workspace, m (negative inside), and that side's outward normal."""
-    corners = np.vstack([vertices for _, vertices in body_vertices(vehicle, state)])
+    bodies = body_vertices(vehicle, state) if bodies is None else bodies
+    corners = np.vstack([vertices for _, vertices in bodies])
     W = scenario.workspace
     beyond = (corners @ W.A.T - W.b).max(axis=0)
     side = int(beyond.argmax())

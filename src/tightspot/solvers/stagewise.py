@@ -240,7 +240,8 @@ class Stagewise(Solver):
         Args:
             problem: From :func:`tightspot.transcription.stage_problem`.
             warm: :attr:`StageReport.point` of a problem with as many intervals, pairs and rows.
-            callback: Called after each iteration; return ``False`` to stop.
+            callback: Called after each iteration; return ``False`` to stop. Without one, the core itself asks for
+                Ctrl-C now and then.
             core: The :func:`core_solver` of a problem that differs from this one in its starting point and in the
                 values of start and goal alone. It spares the set-up, and serves one thread at a time.
 

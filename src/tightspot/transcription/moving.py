@@ -51,11 +51,10 @@ class MotionArrays:
         Raises:
             InputError: A motion has another number of knots than the grid.
         """
-        pieces = np.array(settings.pieces(grid.steps), np.int64)
+        pieces, whole = settings.samples(grid.steps)
         tables = [sampled(motion, grid, pieces) for motion in motions]
         samples = int(pieces.sum()) + grid.steps
         extras = np.zeros((grid.steps, len(vehicle.parts), standing + len(motions) if motions else 0))
-        whole = np.array(settings.whole(grid.steps))
         for index, motion in enumerate(motions):
             extra = bulges(vehicle, motion, settings.margin, grid, pieces)
             extras[:, :, standing + index] = np.where(whole[:, None], extra, 0.0)

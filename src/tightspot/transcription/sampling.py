@@ -26,6 +26,8 @@ def inputs_on(guess: Trajectory, t: Array) -> Array:
 
 def _interpolated(t: Array, knots: Array, values: Array) -> Array:
     """Each column of the values at the knots (K, n), linearly interpolated at times t, (len(t), n)."""
+    if np.array_equal(t, knots):
+        return values.copy()
     found = np.empty((len(t), values.shape[1]))
     for i, column in enumerate(values.T):
         found[:, i] = np.interp(t, knots, column)

@@ -111,7 +111,7 @@ def _arrays(
     moving: MotionArrays,
 ) -> StageProblem:
     assert isinstance(vehicle, SingleTrack)
-    pieces, whole = np.array(settings.pieces(grid.steps), np.int64), np.array(settings.whole(grid.steps))
+    pieces, whole = settings.samples(grid.steps)
     pairs, wall_indices = np.argwhere(active), np.argwhere(walls)
     fixed = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
     pair_demands, sides, wall_demands = _demands(settings, pieces, whole, fixed)
@@ -190,15 +190,16 @@ def _demands(
     """
     last = np.cumsum(pieces + 1) - 1
     first = last - pieces
-    covers = np.repeat(np.where(whole, 1.0, 0.0), pieces + 1)
+    clearance = np.empty((last[-1] + 1, 2))
+    clearance[:, 0], clearance[:, 1] = settings.margin, whole.repeat(pieces + 1)
+    wall = clearance.copy()
+    wall[:, 0] = settings.workspace_margin
     end_margin = settings.margin if settings.end_margin is None else settings.end_margin
-    clearance = np.column_stack([np.full(covers.size, settings.margin), covers])
-    wall = np.column_stack([np.full(covers.size, settings.workspace_margin), covers])
     if fixed[0]:
         clearance[0], wall[0] = (end_margin, 0.0), np.nan
     if fixed[1]:
         clearance[-1], wall[-1] = (end_margin, 0.0), 0.0
     sides = clearance[np.where(whole, first, last)] / 2
-    pair = clearance - np.repeat(sides, pieces + 1, axis=0)
+    pair = clearance - sides.repeat(pieces + 1, axis=0)
     pair[first[~whole]] = wall[first[~whole]] = np.nan
     return pair, sides, wall

@@ -100,6 +100,15 @@ class Settings:
         """
         return tuple(count > 0 for count in self._poses(steps))
 
+    def samples(self, steps: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """:meth:`pieces` and :meth:`whole` as arrays, (steps,) each.
+
+        Raises:
+            InputError: ``poses`` has another length.
+        """
+        poses = np.array(self._poses(steps), np.int64)
+        return np.maximum(poses, 1), poses > 0
+
     def _poses(self, steps: int) -> tuple[int, ...]:
         if self.formulation.holds == "knots":
             return (0,) * steps

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 PUSH = 1e-2
+_DIGITS = np.array([2**40, 2**20, 1])  # a pair (interval, part, obstacle part) as one number, in the same order
 
 
 def parents(old: TimeGrid, new: TimeGrid) -> Index:
@@ -60,15 +61,14 @@ def carry_lines(grid: TimeGrid, report: StageReport, problem: StageProblem) -> S
         report: Of the earlier solve.
         problem: The new one, with closed-form lines.
     """
-    if report.lines is None or report.pairs is None:
+    if report.lines is None or report.pairs is None or not len(report.pairs):
         return problem
     parent = parents(grid, TimeGrid(np.concatenate([[0.0], np.cumsum(problem.widths)[:-1], [1.0]])))
-    old = {(int(k), int(part), int(obstacle)): i for i, (k, part, obstacle) in enumerate(report.pairs)}
-    source = [old.get((int(parent[k]), int(part), int(obstacle)), -1) for k, part, obstacle in problem.pairs]
-    found = np.array(source, dtype=np.intp)
-    lines = problem.lines.copy()
-    lines[found >= 0] = report.lines[found[found >= 0]]
-    return problem.replaced(lines=lines)
+    old = report.pairs @ _DIGITS
+    wanted = parent[problem.pairs[:, 0]] * _DIGITS[0] + problem.pairs[:, 1:] @ _DIGITS[1:]
+    place = np.minimum(np.searchsorted(old, wanted), len(old) - 1)
+    same = old[place] == wanted
+    return problem.replaced(lines=np.where(same[:, None], report.lines[place], problem.lines))
 
 
 def moved_ends(report: StageReport, scenario: Scenario) -> StageProblem | None:
