@@ -34,6 +34,9 @@ using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Integers = nb::ndarray<const std::int64_t, nb::c_contig, nb::device::cpu>;
 using tightspot::Table;
 
+/// How long a solve without a callback goes on before it asks whether Ctrl-C was pressed.
+constexpr std::chrono::milliseconds signal_interval{50};
+
 template <class A>
 A array_of(nb::handle problem, const char* name) {
     nb::object value = problem.attr(name);
@@ -380,6 +383,34 @@ nb::list solve_many(nb::list problems, nb::list starts, const Options& options, 
     return told_all;
 }
 
+/// Lets a solve go on until Ctrl-C is pressed or another signal's handler raises.
+Callback until_a_signal(std::unique_ptr<nb::python_error>& raised) {
+    auto asked = std::chrono::steady_clock::now();
+    return [asked, &raised](const Record&) mutable {
+        const auto now = std::chrono::steady_clock::now();
+        if (now - asked < signal_interval) return true;
+        asked = now;
+        nb::gil_scoped_acquire acquire;
+        if (PyErr_CheckSignals() == 0) return true;
+        raised = std::make_unique<nb::python_error>();
+        return false;
+    };
+}
+
+/// Tells a Python function of each iteration, until it returns False or raises.
+Callback told_to(const nb::object& callback, std::unique_ptr<nb::python_error>& raised) {
+    return [&callback, &raised](const Record& record) {
+        nb::gil_scoped_acquire acquire;
+        try {
+            nb::object verdict = callback(record.iteration, record.objective, record.violation);
+            return !(verdict.ptr() == Py_False);
+        } catch (nb::python_error& error) {
+            raised = std::make_unique<nb::python_error>(error);
+            return false;
+        }
+    };
+}
+
 template <class Model>
 class Solver {
    public:
@@ -413,21 +444,8 @@ class Solver {
 
     nb::dict solve(const Options& options, nb::object callback) {
         Outcome outcome;
-        nb::python_error* raised = nullptr;
-        std::unique_ptr<nb::python_error> kept;
-        Callback watch;
-        if (!callback.is_none())
-            watch = [&](const Record& record) {
-                nb::gil_scoped_acquire acquire;
-                try {
-                    nb::object verdict = callback(record.iteration, record.objective, record.violation);
-                    return !(verdict.ptr() == Py_False);
-                } catch (nb::python_error& error) {
-                    kept = std::make_unique<nb::python_error>(error);
-                    raised = kept.get();
-                    return false;
-                }
-            };
+        std::unique_ptr<nb::python_error> raised;
+        const Callback watch = callback.is_none() ? until_a_signal(raised) : told_to(callback, raised);
         {
             nb::gil_scoped_release release;
             outcome = core_->solve(options, watch);
