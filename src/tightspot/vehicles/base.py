@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tightspot.errors import Problem, VehicleError
 from tightspot.geometry.polygon import ConvexPolygon
 
 Array = NDArray[np.float64]
@@ -62,6 +63,10 @@ class VehicleModel(ABC):
     """Dynamics ``xi' = f(xi, u)``, bounds and bodies of a vehicle.
 
     The state's first three entries are the pose (x, y, theta) of the rear-axle midpoint.
+
+    What a class states of its motion holds for its own motion. A subclass that replaces :meth:`dynamics` or
+    :meth:`frames` therefore inherits neither :attr:`cascade` nor :meth:`acceleration_bound`, and has to define
+    :meth:`motion_bounds` anew: the parent's would have the judge certify another vehicle's motion.
     """
 
     name: str
@@ -72,6 +77,18 @@ class VehicleModel(ABC):
     cascade: tuple[tuple[int, ...], ...] = ()
     """Groups of states, all of them, such that a group's rates depend on the inputs and on groups before it only. Then
     all times can be integrated at once. Empty if the dynamics are not of this kind."""
+
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        super().__init_subclass__(**arguments)
+        for fact, about in _STATED.items():
+            stated = _place(cls, fact)
+            if min(_place(cls, name) for name in about) >= stated:
+                continue
+            default = getattr(VehicleModel, fact)
+            if not getattr(default, "__isabstractmethod__", False):
+                setattr(cls, fact, default)
+            elif cls.__mro__[stated] is not VehicleModel:
+                setattr(cls, fact, _not_stated)
 
     @property
     @abstractmethod
@@ -150,3 +167,21 @@ class VehicleModel(ABC):
     def n_inputs(self) -> int:
         """Number of inputs."""
         return len(self.input_names)
+
+
+_STATED = {
+    "cascade": ("dynamics",),
+    "motion_bounds": ("dynamics", "frames"),
+    "acceleration_bound": ("dynamics", "frames"),
+}
+"""What a model states, and the methods that it is stated of."""
+
+
+def _place(cls: type, name: str) -> int:
+    """How far up in the method resolution order an attribute is defined."""
+    return next(place for place, base in enumerate(cls.__mro__) if name in vars(base))
+
+
+def _not_stated(self: VehicleModel, *_: Array) -> list[MotionBounds]:
+    sentence = "has dynamics or frames of its own; define motion_bounds for them, too: its parent's hold for the parent"
+    raise VehicleError(Problem("vehicle", f"{type(self).__name__} {sentence}"))

@@ -164,6 +164,12 @@ class SingleTrack(VehicleModel):
         centre = ns.sqrt(a**2 + (speed * yaw_rate) ** 2)
         return centre + rho * ns.sqrt(yaw_acceleration**2 + yaw_rate**4)
 
+    @property
+    def moves_as_stated(self) -> bool:
+        """False for a subclass with dynamics or frames of its own: no closed form of this model's motion is its."""
+        own = type(self)
+        return own.dynamics is SingleTrack.dynamics and own.frames is SingleTrack.frames
+
     def to_dict(self) -> dict[str, Any]:
         return {
             "name": self.name,

@@ -41,7 +41,7 @@ class Lemma:
         Raises:
             IntegrationError: See :func:`single_track_motion`.
         """
-        if isinstance(vehicle, SingleTrack):
+        if isinstance(vehicle, SingleTrack) and vehicle.moves_as_stated:
             motion = single_track_motion(vehicle, trajectory, times)
             frames = [motion.states[:, :3]]
             bounds = [_single_track_bounds(vehicle, trajectory, motion)]
