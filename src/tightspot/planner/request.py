@@ -69,10 +69,10 @@ def resolve(
     problems = []
     if not (np.isfinite(margin) and 0 <= margin <= LARGEST_MARGIN):
         problems.append(Problem("margin", f"{margin} m must lie between 0 and {LARGEST_MARGIN:g} m"))
-    if steps is not None and not 2 <= steps <= MOST_STEPS:
-        problems.append(Problem("steps", f"{steps} must lie between 2 and {MOST_STEPS}"))
-    if refinements < 0:
-        problems.append(Problem("refinements", f"{refinements} must not be negative"))
+    if steps is not None and not (isinstance(steps, (int, np.integer)) and 2 <= steps <= MOST_STEPS):
+        problems.append(Problem("steps", f"{steps} must be a whole number and lie between 2 and {MOST_STEPS}"))
+    if not isinstance(refinements, (int, np.integer)) or refinements < 0:
+        problems.append(Problem("refinements", f"{refinements} must be a whole number and not be negative"))
     if not time_limit > 0:
         problems.append(Problem("time_limit", f"{time_limit} s must be positive"))
     if problems:

@@ -60,7 +60,12 @@ class Iteration:
 
 
 IterationCallback = Callable[[Iteration], bool | None]
-"""Called after each iteration; return ``False`` to stop the solve."""
+"""Called after each iteration; return ``False``, Python's or NumPy's, to stop the solve."""
+
+
+def asks_to_stop(answer: object) -> bool:
+    """Whether a callback's answer is ``False``; a comparison with a NumPy number has NumPy's."""
+    return isinstance(answer, (bool, np.bool_)) and not answer
 
 
 @dataclass(frozen=True, eq=False)

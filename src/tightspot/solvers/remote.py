@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tightspot.solvers.base import Iteration, IterationCallback, SolveStatus
+from tightspot.solvers.base import Iteration, IterationCallback, SolveStatus, asks_to_stop
 from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.processes import ENDED, Worker, worker
 
@@ -112,7 +112,7 @@ def _listen(
             deadline = min(deadline, started + build + seconds)
         elif word == "iteration":
             iterations = content[0]
-            if callback is not None and callback(Iteration(*content)) is False:
+            if callback is not None and asks_to_stop(callback(Iteration(*content))):
                 return ended(SolveStatus.STOPPED, "stopped by the callback")
         elif word == "done":
             return ended(None, content["word"], content)

@@ -20,6 +20,7 @@ from tightspot.solvers.base import (
     SolveReport,
     SolveStatus,
     WarmStart,
+    asks_to_stop,
     limit_problems,
 )
 from tightspot.solvers.nlp import Nlp
@@ -319,8 +320,8 @@ class Stagewise(Solver):
         if callback is not None:
             given = callback
 
-            def watch(number: int, objective: float, violation: float) -> bool | None:
-                return given(Iteration(number, objective, violation))
+            def watch(number: int, objective: float, violation: float) -> bool:
+                return not asks_to_stop(given(Iteration(number, objective, violation)))
 
         answer = core.solve(options, watch)
         timings = {"build": built - started, "solve": answer["seconds"]}
@@ -443,10 +444,12 @@ def _start(core: Any, problem: StageProblem, warm: StagePoint | None) -> None:
 
 
 def _check_batch(problems: Sequence[StageProblem], threads: int, time_limit: float | None) -> None:
-    if not isinstance(threads, int) or threads < 1:
+    if not isinstance(threads, (int, np.integer)) or threads < 1:
         raise InputError(Problem("threads", f"{threads!r} is no number of threads; give at least 1"))
-    if time_limit is not None and not time_limit > 0:
+    if time_limit is not None and not (isinstance(time_limit, (float, int, np.number)) and time_limit > 0):
         raise InputError(Problem("time_limit", f"{time_limit!r} must be positive"))
+    if not isinstance(problems, Sequence):
+        raise InputError(Problem("problems", f"{type(problems).__name__} is no sequence of problems; give a list"))
     others = [(i, type(one).__name__) for i, one in enumerate(problems) if not isinstance(one, StageProblem)]
     if others:
         raise InputError([Problem(f"problems[{i}]", f"{name} is not a StageProblem") for i, name in others])

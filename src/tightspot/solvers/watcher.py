@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from tightspot.solvers.base import Iteration, IterationCallback
+from tightspot.solvers.base import Iteration, IterationCallback, asks_to_stop
 from tightspot.solvers.interrupts import Interrupts
 from tightspot.solvers.nlp import Nlp
 
@@ -65,7 +65,7 @@ class Watcher(ca.Callback):
 
     def eval(self, arguments: Any) -> list[float]:
         try:
-            stop = self._interrupts.pending or self._report(arguments) is False or self._interrupts.pending
+            stop = self._interrupts.pending or asks_to_stop(self._report(arguments)) or self._interrupts.pending
         except BaseException as error:
             self.raised, stop = error, True
         if not stop and time.perf_counter() > self._deadline:
