@@ -135,6 +135,22 @@ void bind_motion(nb::module_& m, const char* name) {
         .def_prop_ro("nodes", [](const M& self) { return column(self.nodes); }, nb::rv_policy::automatic)
         .def_prop_ro(
             "node_states", [](const M& self) { return states<Model>(self.node_states); }, nb::rv_policy::automatic)
+        .def_prop_ro(
+            "knots",
+            [](const M& self) {
+                std::vector<typename M::State> found;
+                for (int k = 0; !self.nodes.empty() && k <= self.intervals(); ++k) found.push_back(self.knot(k));
+                return states<Model>(found);
+            },
+            nb::rv_policy::automatic)
+        .def_prop_ro(
+            "extremes",
+            [](const M& self) {
+                need(!self.nodes.empty(), "integrate first");
+                const auto [low, high] = self.extremes();
+                return states<Model>({low, high});
+            },
+            nb::rv_policy::automatic)
         .def_ro("position_error", &M::position_error)
         .def_ro("heading_error", &M::heading_error);
 }

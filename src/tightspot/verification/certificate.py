@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib import metadata
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,24 @@ class Witness:
         return f"{self.part} is {self.clearance:.9f} m from {self.obstacle} {where}: too near to decide"
 
 
+class _Text:
+    """A field of a record: the text, or what computes it when it is first asked for; empty if not given."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, record: Any, owner: type) -> str:
+        if record is None:  # how a dataclass asks for the default
+            return ""
+        value = record.__dict__[self._name]
+        if not isinstance(value, str):
+            value = record.__dict__[self._name] = value()
+        return str(value)
+
+    def __set__(self, record: Any, value: str | Callable[[], str]) -> None:
+        record.__dict__[self._name] = value
+
+
 @dataclass(frozen=True)
 class Check:
     """One thing that was checked.
@@ -69,14 +87,15 @@ class Check:
         value: What was found.
         limit: What is allowed: a lower limit for ``obstacles`` and ``workspace``, an upper limit for all
             others.
-        sentence: The same for people, with units.
+        sentence: The same for people, with units. It may be given as a function that is called when it is first asked
+            for.
     """
 
     name: str
     passed: bool
     value: float
     limit: float
-    sentence: str
+    sentence: _Text = _Text()
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,25 +171,6 @@ class Integration:
     heading_error: float
 
 
-class _Digest:
-    """The field ``digest``: the text, or what computes it when it is first asked for."""
-
-    @overload
-    def __get__(self, certificate: None, owner: type[Certificate]) -> str: ...
-    @overload
-    def __get__(self, certificate: Certificate, owner: type[Certificate]) -> str: ...
-    def __get__(self, certificate: Certificate | None, owner: type[Certificate]) -> str:
-        if certificate is None:  # how a dataclass asks for the default
-            return ""
-        value = certificate.__dict__["digest"]
-        if not isinstance(value, str):
-            value = certificate.__dict__["digest"] = value()
-        return str(value)
-
-    def __set__(self, certificate: Certificate, value: str | Callable[[], str]) -> None:
-        certificate.__dict__["digest"] = value
-
-
 @dataclass(frozen=True, eq=False)
 class Certificate:
     """The judge's finding. It is a certificate only if ``certified``.
@@ -203,7 +203,7 @@ class Certificate:
     integration: Integration
     offset: tuple[float, float]
     version: str
-    digest: _Digest = _Digest()
+    digest: _Text = _Text()
 
     @property
     def witness(self) -> Witness | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,8 @@ POSE = 3
 # Name of the check, the state it is about and its place in a scenario's start and goal, its unit.
 _SCALARS = (("heading", "theta", 2, "rad"), ("speed", "v", 3, "m/s"), ("steering", "delta", 4, "rad"))
 
+_GROUPS = {name: group for group, name, _, _ in _SCALARS}
+
 
 def motion_checks(scenario: Scenario, replay: Replay, limits: Limits) -> list[Check]:
     """All checks that need no geometry, in the certificate's order."""
@@ -54,8 +57,11 @@ def motion_checks(scenario: Scenario, replay: Replay, limits: Limits) -> list[Ch
 
 def upper(name: str, value: float, limit: float, what: str, unit: str) -> Check:
     """A check that passes if ``value <= limit``."""
-    passed = bool(value <= limit)
-    return Check(name, passed, float(value), float(limit), f"{what} {value:.3g} {unit} (at most {limit:.3g})")
+    return Check(name, bool(value <= limit), float(value), float(limit), partial(_at_most, what, value, unit, limit))
+
+
+def _at_most(what: str, value: float, unit: str, limit: float) -> str:
+    return f"{what} {value:.3g} {unit} (at most {limit:.3g})"
 
 
 def _dynamics(replay: Replay, limits: Limits) -> Iterator[Check]:
@@ -63,24 +69,23 @@ def _dynamics(replay: Replay, limits: Limits) -> Iterator[Check]:
     what = "knots differ from the replayed inputs by"
     yield upper("dynamics position", position, limits.defect_position, what, "m")
     yield upper("dynamics heading", heading, limits.defect_heading, what, "rad")
-    vehicle, stored = replay.vehicle, replay.trajectory.states
-    groups = {name: group for group, name, _, _ in _SCALARS}
-    apart = np.abs(stored - replay.knots).max(axis=0).tolist()
-    for name, unit, distance in list(zip(vehicle.state_names, vehicle.state_units, apart, strict=True))[POSE:]:
-        group = groups.get(name, name)
+    names, units = replay.vehicle.state_names, replay.vehicle.state_units
+    apart = np.abs(replay.apart).max(axis=0).tolist()
+    for name, unit, distance in list(zip(names, units, apart, strict=True))[POSE:]:
+        group = _GROUPS.get(name, name)
         yield upper(f"dynamics {group}", distance, limits.defect_state, f"{group} at the knots: {what}", unit)
 
 
 def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
     """At the knots as stored, and at every node of the replay: between knots, too."""
     vehicle, trajectory = replay.vehicle, replay.trajectory
-    states = (trajectory.states, replay.node_states)
+    states = (trajectory.states, replay.extremes)
     for kind, records, names, units, (low, high) in (
         ("state", states, vehicle.state_names, vehicle.state_units, vehicle.state_bounds),
         ("input", (trajectory.inputs,), vehicle.input_names, vehicle.input_units, vehicle.input_bounds),
     ):
-        beyond = [np.maximum(low - values.min(axis=0), values.max(axis=0) - high) for values in records]
-        excess = np.max(beyond, axis=0)
+        beyond = [np.maximum(low - values, values - high).max(axis=0) for values in records]
+        excess = np.max(beyond, axis=0) if len(beyond) > 1 else beyond[0]
         worst = int(excess.argmax())
         what = f"{kind} {names[worst]} comes nearest to its bound or beyond: excess"
         yield upper(f"{kind} bounds", max(0.0, float(excess[worst])), limits.bounds, what, units[worst])

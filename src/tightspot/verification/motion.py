@@ -128,7 +128,7 @@ class ReplayedMotion(Motion):
     def of(cls, replay: Replay, extent: float) -> ReplayedMotion:
         """The motion of the replay's vehicle among things no further than ``extent`` (m) from the origin."""
         names, V0, radius, frame = parts_of(replay.vehicle)
-        reach = extent + np.abs(replay.node_states[:, :2]).max() + radius
+        reach = extent + np.abs(replay.extremes[:, :2]).max() + radius
         pad = replay.position_error + replay.heading_error * radius + ROUNDING * reach
         return cls(replay.vehicle, names, V0, radius, frame, pad, replay)
 

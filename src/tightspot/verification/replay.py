@@ -73,7 +73,14 @@ class Replay:
     @cached_property
     def knots(self) -> Array:
         """Replayed states at the trajectory's knots, shape (N+1, n_x)."""
-        return self.node_states[self.first_nodes]
+        return self.node_states[self.first_nodes] if self.core is None else self.core.knots
+
+    @cached_property
+    def extremes(self) -> Array:
+        """Smallest and largest value of each state at the nodes, shape (2, n_x)."""
+        if self.core is not None:
+            return self.core.extremes
+        return np.stack([self.node_states.min(axis=0), self.node_states.max(axis=0)])
 
     def interval(self, times: ArrayLike) -> NDArray[np.intp]:
         """Index k of the interval ``[t_k, t_{k+1})`` that holds each time; the last one is closed."""
@@ -107,15 +114,18 @@ class Replay:
         return np.concatenate([*inner, self.trajectory.t[-1:]])
 
     @cached_property
+    def apart(self) -> Array:
+        """The trajectory's knots less the replay's, shape (N+1, n_x)."""
+        return self.trajectory.states - self.knots
+
+    @cached_property
     def defect(self) -> tuple[float, float]:
         """Largest distance between the trajectory's knots and the replay: (position m, heading rad).
 
         Headings are compared as angles, so a whole turn between them does not count.
         """
-        stored, own = self.trajectory.poses, self.knots[:, :3]
-        apart = stored - own
-        turn = apart[:, 2]
-        position = np.hypot(apart[:, 0], apart[:, 1]).max()
+        x, y, turn = self.apart[:, :3].T
+        position = np.hypot(x, y).max()
         return float(position), float(np.abs(turn - 2 * np.pi * np.round(turn / (2 * np.pi))).max())
 
     @cached_property
@@ -128,7 +138,7 @@ def replay(
     trajectory: Trajectory,
     *,
     tolerance: float = 1e-7,
-    first_step: float = 0.25,
+    first_step: float = 0.125,
     in_core: bool = True,
     known: Replay | None = None,
 ) -> Replay:

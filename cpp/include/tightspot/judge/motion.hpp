@@ -21,27 +21,12 @@ struct Bounds {
 /// How accurately to integrate.
 struct Accuracy {
     double tolerance = 1e-7;   // of position and heading, m and rad
-    double first_step = 0.25;  // the longest step of the first, coarser solution, s
+    double first_step = 0.125;  // the longest step of the first, coarser solution, s
     double max_steps = 4e5;    // more are too many
     double largest = 1e9;      // numbers beyond this are none
     double reserve = 1e-9;     // kept for rounding, m and rad
     double rounding = 0;       // of a step's sums, relative to the state
 };
-
-/// One classical Runge-Kutta step of h seconds.
-template <class Model>
-void runge_kutta(const Model& model, const double* x, const double* u, double h, double* after) {
-    constexpr int n = Model::states;
-    double k1[n], k2[n], k3[n], k4[n], moved[n];
-    model.rates(x, u, k1);
-    for (int i = 0; i < n; ++i) moved[i] = x[i] + 0.5 * h * k1[i];
-    model.rates(moved, u, k2);
-    for (int i = 0; i < n; ++i) moved[i] = x[i] + 0.5 * h * k2[i];
-    model.rates(moved, u, k3);
-    for (int i = 0; i < n; ++i) moved[i] = x[i] + h * k3[i];
-    model.rates(moved, u, k4);
-    for (int i = 0; i < n; ++i) after[i] = x[i] + h / 6 * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]);
-}
 
 /// The states at all times. Steps are equal within an interval between knots; their number is raised until the solution
 /// and one with steps twice as long differ by no more than the tolerance in position and heading at every common node.
@@ -85,11 +70,22 @@ class Motion {
         const auto left = std::clamp<std::ptrdiff_t>(above - nodes.begin() - 1, 0, last);
         const auto nearest = left + (time - nodes[left] > nodes[left + 1] - time ? 1 : 0);
         State state;
-        runge_kutta(model, node_states[nearest].data(), input(node_interval_[left]), time - nodes[nearest], state.data());
+        const double* from = node_states[nearest].data();
+        double turning = model.turning(from);
+        model.runge_kutta(from, input(node_interval_[left]), time - nodes[nearest], turning, state.data());
         return state;
     }
 
     const State& knot(int k) const { return node_states[first_node_[k]]; }
+
+    /// Smallest and largest value of each state at the nodes.
+    std::pair<State, State> extremes() const {
+        State low = node_states.front(), high = low;
+        for (const State& state : node_states)
+            for (int i = 0; i < Model::states; ++i)
+                low[i] = std::min(low[i], state[i]), high[i] = std::max(high[i], state[i]);
+        return {low, high};
+    }
 
     Model model;
     std::vector<double> t, inputs;
@@ -108,12 +104,13 @@ class Motion {
     void run(const std::vector<double>& steps, int times, std::vector<State>& states) const {
         states.assign(1, start_);
         states.reserve(static_cast<std::size_t>(sum(steps)) * times + 1);
+        double turning = model.turning(start_.data());
         for (int k = 0; k < intervals(); ++k) {
             const int count = static_cast<int>(steps[k]) * times;
             const double h = (t[k + 1] - t[k]) / count;
             for (int i = 0; i < count; ++i) {
                 State after;
-                runge_kutta(model, states.back().data(), input(k), h, after.data());
+                model.runge_kutta(states.back().data(), input(k), h, turning, after.data());
                 states.push_back(after);
             }
         }
