@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.patches import Polygon
 
 from tightspot.plotting import figure_judged_plan, figure_judged_table, save
 from tightspot.scenarios import Obstacle, Scenario
@@ -14,6 +15,11 @@ def words(figure):
     """All text in the figure."""
     found = [artist.get_text() for artist in figure.findobj(lambda artist: hasattr(artist, "get_text"))]
     return " | ".join(text for text in found if text)
+
+
+def fronts(axes):
+    """How many triangles mark a body's front."""
+    return sum(isinstance(patch, Polygon) and len(patch.get_xy()) == 4 for patch in axes.patches)
 
 
 def gids(axes):
@@ -44,6 +50,7 @@ def test_a_collision(plan):
     figure = figure_judged_table(verdict)
     scene, detail = axes_of(figure, "scene"), axes_of(figure, "detail")
     assert {"moment", "overlap"} <= gids(scene) & gids(detail)
+    assert fronts(scene) - fronts(detail) == 3, "no triangle hides what is magnified"
     assert verdict.sentence(verdict.witnesses[0]) in words(figure)
     x, y = verdict.witnesses[0].pose[:2]
     assert scene.get_xlim()[0] < x < scene.get_xlim()[1]

@@ -8,7 +8,8 @@ from tightspot.geometry import ConvexPolygon, clearance, transform
 from tightspot.scenarios import Tolerance
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import BodyPart, SingleTrack
-from tightspot.verification import JudgeSettings, check_certificate, minimum_clearance, replay, verify
+from tightspot.verification import JudgeSettings, Witness, check_certificate, minimum_clearance, replay, verify
+from tightspot.verification.certificate import metres, rounded_down
 
 
 def square(x, y, size=1.0):
@@ -266,3 +267,25 @@ def test_a_known_replay_changes_nothing_in_the_certificate(kit):
     other = replay(car, kit.wander(car, seed=4))
     for known in (replay(car, trajectory), other):
         assert verify(scenario, car, trajectory, margin=0.01, known=known).to_dict() == alone.to_dict()
+
+
+@pytest.mark.parametrize(
+    ("length", "said", "promised"),
+    [
+        (0.0, "0.0000", "0.0000"),
+        (0.12349, "0.1235", "0.1234"),
+        (-0.12349, "-0.1235", "-0.1235"),
+        (9.99e-5, "1.0e-04", "9.9e-05"),
+        (1.06e-6, "1.1e-06", "1.0e-06"),
+        (-2.0e-9, "-2.0e-09", "-0.0001"),
+    ],
+)
+def test_small_lengths_are_said_by_their_digits(length, said, promised):
+    assert metres(length) == said
+    assert rounded_down(length) == promised
+    assert float(rounded_down(length)) <= length
+
+
+def test_an_overlap_of_a_micrometre_is_not_told_as_nothing():
+    moment = Witness(1.0, "body", "wall/0", -1e-6, (0.0, 0.0, 0.0), "collision")
+    assert str(moment) == "body overlaps wall/0 by 1.0e-06 m at t = 1.000 s"

@@ -57,7 +57,7 @@ def figure_worst_moment(judged: Judged) -> Figure:
         frame_axes(axes, box, scenario.offset)
         legs = draw_path(axes, judged.motion, crowded=0.25 * box.width / places.scene.width)
         draw_names(axes, scenario)
-        _draw_body(axes, judged)
+        _draw_body(axes, judged, mark=True)
         if places.detail is not None:
             detail = figure.add_axes(places.detail.within(places.width, places.height), label="detail")
             frame_window(axes, _draw_detail(detail, judged))
@@ -77,10 +77,13 @@ def figure_worst_moment(judged: Judged) -> Figure:
     return figure
 
 
-def _draw_body(axes: Axes, judged: Judged) -> None:
-    """The body at the worst moment; what overlaps is hatched, else the nearest points are joined."""
+def _draw_body(axes: Axes, judged: Judged, *, mark: bool) -> None:
+    """The body at the worst moment; what overlaps is hatched, else the nearest points are joined.
+
+    Magnified, the triangle that marks its front would hide them.
+    """
     look: dict[str, Any] = {"facecolor": (judged.color, 0.16), "edgecolor": judged.color, "linewidth": 2, "zorder": 8}
-    draw_body(axes, judged.vehicle, judged.pose, mark_color=judged.color, gid="moment", **look)
+    draw_body(axes, judged.vehicle, judged.pose, mark=mark, mark_color=judged.color, gid="moment", **look)
     body = body_shape(judged.vehicle, judged.pose)
     overlap = forbidden_part(judged.scenario, body)
     if overlap.area > 0:
@@ -97,7 +100,7 @@ def _draw_detail(axes: Axes, judged: Judged) -> Box:
     draw_scene(axes, judged.scenario)
     draw_ends(axes, judged.scenario, judged.vehicle, mark=False)
     window = _window(judged, body)
-    _draw_body(axes, judged)
+    _draw_body(axes, judged, mark=not judged.obstacle)
     axes.plot(*judged.motion.poses[:, :2].T, color=style.INK, linewidth=1.2, zorder=9)
     if judged.rows is not None:
         axes.plot(*judged.rows.T, ".", color=style.INK, markersize=4, zorder=9.1, gid="rows")

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 FORMAT = "tightspot-certificate/1"
 WORKSPACE = "workspace"
+_SMALL = 1e-3
+"""Below this, m, sentences say lengths by their leading digits."""
 
 
 @dataclass(frozen=True)
@@ -51,11 +53,11 @@ class Witness:
     def __str__(self) -> str:
         where = f"at t = {self.time:.3f} s"
         if self.obstacle == WORKSPACE:
-            return f"{self.part} leaves the workspace by {self.penetration:.4f} m {where}"
+            return f"{self.part} leaves the workspace by {metres(self.penetration)} m {where}"
         if self.kind == "collision":
-            return f"{self.part} overlaps {self.obstacle} by {self.penetration:.4f} m {where}"
+            return f"{self.part} overlaps {self.obstacle} by {metres(self.penetration)} m {where}"
         if self.kind == "margin":
-            return f"{self.part} is only {self.clearance:.4f} m from {self.obstacle} {where}"
+            return f"{self.part} is only {metres(self.clearance)} m from {self.obstacle} {where}"
         return f"{self.part} is {self.clearance:.9f} m from {self.obstacle} {where}: too near to decide"
 
 
@@ -326,8 +328,16 @@ def package_version() -> str:
 
 
 def rounded_down(length: float) -> str:
-    """A length (m) to 0.1 mm for sentences; a bound must not be promised larger than it is."""
-    return f"{math.floor(length * 1e4) / 1e4:.4f}"
+    """A length (m) like :func:`metres`, but never larger than it is: what is promised must hold."""
+    if not 0 < length < _SMALL:
+        return f"{math.floor(length * 1e4) / 1e4:.4f}"
+    unit = 10.0 ** (math.floor(math.log10(length)) - 1)
+    return f"{math.floor(length / unit) * unit:.1e}"
+
+
+def metres(length: float) -> str:
+    """A length (m) to 0.1 mm for sentences, a small one to two digits, so that what overlaps never does so by 0."""
+    return f"{length:.1e}" if 0 < abs(length) < _SMALL else f"{length:.4f}"
 
 
 def _finite(value: float) -> float | None:

@@ -187,7 +187,10 @@ WRONG = {
     "degrees": ("x,y,theta\n0,0,90\n0,1,90\n0,2,90\n", ["theta", "90 rad looks like degrees"]),
     "few degrees": ("x,y,theta\n0,0,9\n1,.16,9\n2,.32,9\n", ["theta", "degrees"]),
     "steering in degrees": ("x,y,theta,delta\n0,0,0,30\n1,0,0,30\n", ["line 2, column 'delta'", "degrees"]),
-    "time stands": ("t,x,y\n0,0,0\n0,1,0\n1,2,0\n", ["line 3, column 't'", "times must increase"]),
+    "time stands": (
+        "t,x,y\n0,0,0\n0,1,0\n1,2,0\n",
+        ["line 3, column 't'", "times must increase: keep one of the two rows"],
+    ),
     "time runs back": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", ["line 4", "1 s does not come after 2 s"]),
     "a day and more": ("t,x,y\n0,0,0\n100000,1,0\n", ["more than a day", "[ms]"]),
     "millimetres": ("t,x,y,v\n0,0,0,1\n.05,50,0,1\n.1,100,0,1\n", ["look like millimetres", "x [mm] and y [mm]"]),

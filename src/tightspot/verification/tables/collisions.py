@@ -6,7 +6,7 @@ import math
 
 from tightspot.scenarios import Scenario
 from tightspot.scenarios.labels import labels
-from tightspot.verification.certificate import WORKSPACE, Witness, rounded_down
+from tightspot.verification.certificate import WORKSPACE, Witness, metres, rounded_down
 from tightspot.verification.tables.clearance import Clearances, Reading
 from tightspot.verification.tables.findings import Finding, Place
 from tightspot.verification.witnesses import WORKSPACE_SLACK
@@ -38,12 +38,12 @@ def moment_sentence(moment: Witness, scenario: Scenario, place: Place) -> str:
     """What happens at a moment, whose time is a row."""
     where, name = place.words(moment.time), labels(scenario).get(moment.obstacle, moment.obstacle)
     if moment.obstacle == WORKSPACE:
-        return f"{moment.part} leaves the workspace by {moment.penetration:.4f} m {where}"
+        return f"{moment.part} leaves the workspace by {metres(moment.penetration)} m {where}"
     if moment.kind == "collision":
-        return f"{moment.part} overlaps {name} by {moment.penetration:.4f} m {where}"
+        return f"{moment.part} overlaps {name} by {metres(moment.penetration)} m {where}"
     if moment.kind == "undecided":
-        return f"{moment.part} is {moment.clearance:.2e} m from {name} {where}: too near to decide"
-    return f"{moment.part} is only {moment.clearance:.4f} m from {name} {where}"
+        return f"{moment.part} is {moment.clearance:.9f} m from {name} {where}: too near to decide"
+    return f"{moment.part} is only {metres(moment.clearance)} m from {name} {where}"
 
 
 def _obstacles(reading: Reading, scenario: Scenario, place: Place, margin: float) -> Finding:

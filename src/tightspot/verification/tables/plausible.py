@@ -69,7 +69,8 @@ def _times(t: Array, name: str, where: Sequence[str]) -> list[Problem]:
     problems = [
         Problem(
             f"{where[k + 1]}, {column}",
-            f"{t[k + 1]:.10g} s does not come after {t[k]:.10g} s in {where[k]}; times must increase",
+            f"{t[k + 1]:.10g} s does not come after {t[k]:.10g} s in {where[k]}; times must increase"
+            + ("" if t[k + 1] < t[k] else ": keep one of the two rows"),
         )
         for k in late[:_MOST].tolist()
     ]
