@@ -86,4 +86,4 @@ class WorkspacePairs:
 
 def _product(parts: int, barriers: int) -> tuple[Index, Index]:
     part, barrier = np.divmod(np.arange(parts * barriers), max(1, barriers))
-    return part.astype(np.intp), barrier.astype(np.intp)
+    return part.astype(np.intp, copy=False), barrier.astype(np.intp, copy=False)

@@ -65,12 +65,11 @@ def _at_most(what: str, value: float, unit: str, limit: float) -> str:
 
 
 def _dynamics(replay: Replay, limits: Limits) -> Iterator[Check]:
-    position, heading = replay.defect
-    what = "knots differ from the replayed inputs by"
+    (position, heading), what = replay.defect, "knots differ from the replayed inputs by"
     yield upper("dynamics position", position, limits.defect_position, what, "m")
     yield upper("dynamics heading", heading, limits.defect_heading, what, "rad")
     names, units = replay.vehicle.state_names, replay.vehicle.state_units
-    apart = np.abs(replay.apart).max(axis=0).tolist()
+    apart = replay.furthest.tolist()
     for name, unit, distance in list(zip(names, units, apart, strict=True))[POSE:]:
         group = _GROUPS.get(name, name)
         yield upper(f"dynamics {group}", distance, limits.defect_state, f"{group} at the knots: {what}", unit)
@@ -84,8 +83,8 @@ def _bounds(replay: Replay, limits: Limits) -> Iterator[Check]:
         ("state", states, vehicle.state_names, vehicle.state_units, vehicle.state_bounds),
         ("input", (trajectory.inputs,), vehicle.input_names, vehicle.input_units, vehicle.input_bounds),
     ):
-        beyond = [np.maximum(low - values, values - high).max(axis=0) for values in records]
-        excess = np.max(beyond, axis=0) if len(beyond) > 1 else beyond[0]
+        values = np.concatenate(records)
+        excess = np.maximum(low - values, values - high).max(axis=0)
         worst = int(excess.argmax())
         what = f"{kind} {names[worst]} comes nearest to its bound or beyond: excess"
         yield upper(f"{kind} bounds", max(0.0, float(excess[worst])), limits.bounds, what, units[worst])

@@ -63,18 +63,28 @@ def integrated(vehicle: SingleTrack, trajectory: Trajectory, **accuracy: float) 
     return motion if motion.integrate(_filled(core().JudgeAccuracy(), accuracy)) else None
 
 
-def body_on(motion: Motion, vehicle: VehicleModel, radii: Array, pads: Array, reserve: float) -> Body:
+_shapes: WeakKeyDictionary[SingleTrack, tuple[PolygonStack, NDArray[np.int64]]] = WeakKeyDictionary()
+
+
+def _shape(vehicle: SingleTrack) -> tuple[PolygonStack, NDArray[np.int64]]:
+    """The body parts and their frames; of a vehicle they are made once."""
+    if vehicle not in _shapes:
+        frames = np.array([part.frame for part in vehicle.parts], dtype=np.int64)
+        _shapes[vehicle] = PolygonStack(part.polygon for part in vehicle.parts), frames
+    return _shapes[vehicle]
+
+
+def body_on(motion: Motion, vehicle: SingleTrack, radii: Array, pads: Array, reserve: float) -> Body:
     """The body parts on the motion.
 
     Args:
         motion: Of the vehicle.
-        vehicle: Whose parts they are.
+        vehicle: Whose parts they are; one that :func:`is_compiled`.
         radii: Largest distance of each part's vertices from its frame's origin, m.
         pads: What each part's clearances lose to integration error and rounding, m.
         reserve: For rounding in the bounds of the motion, relative.
     """
-    frames = np.array([part.frame for part in vehicle.parts], dtype=np.int64)
-    stack = PolygonStack(part.polygon for part in vehicle.parts)
+    stack, frames = _shape(vehicle)
     result: Body = core().JudgeSingleTrackBody(motion, stack.vertices, stack.first, frames, radii, pads, reserve)
     return result
 

@@ -108,7 +108,7 @@ def cover(motion: Motion, pairs: Pairs, demand: float, *, resolution: float, flo
 def _compiled(body: Body, pairs: Pairs, demand: float, **work: float) -> Cover:
     limits = {"tolerance": TOLERANCE, "worst": WORST_RESOLUTION, "most_open": MAX_OPEN}
     found = compiled.covered(body, pairs.core, demand=demand, **work, **limits)
-    return Cover(**found | {"pair": found["pair"].astype(np.intp), "holds": found["holds"].astype(bool)})
+    return Cover(**found | {"pair": found["pair"].astype(np.intp, copy=False), "holds": found["holds"].view(bool)})
 
 
 @dataclass(eq=False)

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.vehicles import VehicleModel
+from tightspot.vehicles import SingleTrack, VehicleModel
 from tightspot.verification import compiled
 from tightspot.verification.replay import Replay
 
@@ -135,8 +135,10 @@ class ReplayedMotion(Motion):
     @cached_property
     def body(self) -> Body | None:
         """The same in the compiled core, if that knows the model."""
-        core = self.replay.core
-        return None if core is None else compiled.body_on(core, self.vehicle, self.radius, self.pad, BOUND_RESERVE)
+        core, vehicle = self.replay.core, self.vehicle
+        if core is None or not isinstance(vehicle, SingleTrack):
+            return None
+        return compiled.body_on(core, vehicle, self.radius, self.pad, BOUND_RESERVE)
 
     @property
     def t(self) -> Array:

@@ -119,14 +119,21 @@ class Replay:
         return self.trajectory.states - self.knots
 
     @cached_property
+    def furthest(self) -> Array:
+        """Largest absolute value of each column of :attr:`apart`, shape (n_x,)."""
+        return np.asarray(np.abs(self.apart).max(axis=0))
+
+    @cached_property
     def defect(self) -> tuple[float, float]:
         """Largest distance between the trajectory's knots and the replay: (position m, heading rad).
 
         Headings are compared as angles, so a whole turn between them does not count.
         """
         x, y, turn = self.apart[:, :3].T
-        position = np.hypot(x, y).max()
-        return float(position), float(np.abs(turn - 2 * np.pi * np.round(turn / (2 * np.pi))).max())
+        position, heading = float(np.hypot(x, y).max()), float(self.furthest[2])
+        if not heading <= np.pi:
+            heading = float(np.abs(turn - 2 * np.pi * np.round(turn / (2 * np.pi))).max())
+        return position, heading
 
     @cached_property
     def _node_interval(self) -> NDArray[np.intp]:

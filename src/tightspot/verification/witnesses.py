@@ -60,10 +60,10 @@ def _worst_moments(motion: Motion, pairs: Pairs, chosen: Index, found: Cover) ->
     if motion.body is not None:
         return compiled.worst_moments(motion.body, pairs.core, chosen, times, clearances)
     t = motion.t
-    for width in (2e-2, 1e-3, 5e-5):
+    for width in (2e-2, 2.5e-3, 3e-4, 4e-5):
         if not chosen.size:
             break
-        samples = np.clip(times[:, None] + np.linspace(-width, width, 65), t[0], t[-1])
+        samples = np.clip(times[:, None] + np.linspace(-width, width, 17), t[0], t[-1])
         pair = np.repeat(chosen, samples.shape[1])
         vertices = motion.vertices(pairs.part[pair], motion.at(samples.ravel()))
         values = pairs.lines(pair, vertices)[2].reshape(samples.shape)

@@ -246,8 +246,8 @@ Sight worst_moment(const Body<Model>& body, const Barriers& barriers, int pair, 
     const Motion<Model>& motion = body.motion();
     const int part = pair / barriers.size(), barrier = pair % barriers.size();
     Outline placed;
-    for (const double width : {2e-2, 1e-3, 5e-5}) {
-        constexpr int samples = 65;
+    for (const double width : {2e-2, 2.5e-3, 3e-4, 4e-5}) {
+        constexpr int samples = 17;
         Sight best = seen;
         for (int i = 0; i < samples; ++i) {
             const double offset = i + 1 < samples ? -width + i * (2 * width / (samples - 1)) : width;
