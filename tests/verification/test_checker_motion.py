@@ -164,3 +164,25 @@ def test_a_trailer_is_judged_in_its_own_frame(kit):
     assert witness.part == "trailer"
     assert witness.clearance == pytest.approx(-0.05, abs=2e-5)
     assert not check_certificate(deeper, car, trajectory, certificate).ok
+
+
+def test_a_proof_is_not_cut_where_others_are(kit):
+    """A small body in an arc bulges as far as the lemma allows, so that at the middle the lemma gives less than without
+    a cut there: the wall's one interval must be evaluated whole, though another proof has cuts."""
+    tiny = kit.box_car(length=2e-4, width=2e-4, overhang=1e-4)
+    steering = np.arctan(0.2 * tiny.wheelbase)
+    trajectory = kit.drive(tiny, [0, 1], [[0, 0]], start=(0, 0, -0.1, 1, steering))
+    dip = replay(tiny, trajectory).at(np.array([0.5]))[0, 1]
+    scenario = kit.scene(
+        trajectory,
+        [[(0.4, 1), (0.45, dip + 0.01), (0.55, dip + 0.01), (0.6, 1)]],
+        workspace=ConvexPolygon.rectangle(-1, 3, -2, 2),
+    )
+    certificate = verify(scenario, tiny, trajectory)
+    assert certificate.certified, certificate.summary()
+    cuts, A, b = certificate.pairs[0].t, scenario.workspace.A, scenario.workspace.b
+    low = next(proof for proof in certificate.workspace if A[proof.edge, 1] < -0.5)
+    finer = Lemma.of(tiny, trajectory, cuts).lowest(0, cuts, np.tile(-A[low.edge], (cuts.size - 1, 1))) + b[low.edge]
+    assert low.clearance.size == 1
+    assert finer.min() < low.clearance[0]
+    assert check_certificate(scenario, tiny, trajectory, certificate).reasons == ()

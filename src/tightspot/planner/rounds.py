@@ -149,7 +149,7 @@ class Round:
             "steps": self.mesh.grid.steps,
             "poses": sum(self.mesh.poses),
             "demanded_clearance_extra": self.mesh.extra,
-            "pairs": int(self.mesh.active.sum()),
+            "pairs": int(np.count_nonzero(self.mesh.active)),
             "variables": self.report.n_variables,
             "rows": self.report.n_rows,
             "warm": self.step.before is not None,
@@ -177,7 +177,7 @@ def run_round(
     """
     started = time.perf_counter()
     mesh = step.mesh
-    pairs = int(mesh.active.sum())
+    pairs = int(np.count_nonzero(mesh.active))
     progress(Progress("solve", f"{mesh.grid.steps} intervals, {pairs} pairs of parts near each other", number))
 
     @cache

@@ -116,14 +116,13 @@ def _mathematics(
         return
     try:
         lemma = Lemma.of(vehicle, trajectory, np.concatenate([trajectory.t, *(proof.t for proof in proofs)]))
+        yield from _obstacles(scenario, certificate)
+        yield from _pairs(scenario, vehicle, certificate, lemma)
+        yield from _workspace(scenario, vehicle, certificate, lemma)
+        yield from _claims(certificate)
+        yield from reevaluate(scenario, vehicle, trajectory, certificate, lemma.motion)
     except IntegrationError as error:
         yield f"the motion cannot be checked: {error}"
-        return
-    yield from _obstacles(scenario, certificate)
-    yield from _pairs(scenario, vehicle, certificate, lemma)
-    yield from _workspace(scenario, vehicle, certificate, lemma)
-    yield from _claims(certificate)
-    yield from reevaluate(scenario, vehicle, trajectory, certificate, lemma.motion)
 
 
 def _cuts(t: Array, clearance: Array, trajectory: Trajectory, name: str) -> Iterator[str]:

@@ -90,8 +90,7 @@ def verify(
     scenario, trajectory = file_exact(scenario, trajectory)
     played = replay(vehicle, trajectory, tolerance=settings.tolerance, in_core=settings.in_core, known=known)
     names, polygons = scenario.part_names, scenario.obstacle_polygons
-    corners = np.concatenate([scenario.workspace.vertices, polygons.vertices])
-    motion = ReplayedMotion.of(played, extent=float(np.abs(corners).max()))
+    motion = ReplayedMotion.of(played, extent=max(_extent(scenario.workspace.vertices), _extent(polygons.vertices)))
     pairs, walls = (
         ObstaclePairs(len(vehicle.parts), polygons),
         WorkspacePairs(len(vehicle.parts), scenario.workspace),
@@ -132,6 +131,11 @@ class _Seal:
     def __call__(self) -> str:
         written = self.trajectory.shifted(self.certificate.offset).to_dict()
         return digest(self.scenario.to_dict(), self.vehicle.to_dict(), written, self.certificate.to_dict())
+
+
+def _extent(vertices: Array) -> float:
+    """Largest absolute coordinate, m; zero without vertices."""
+    return float(max(vertices.max(initial=0.0), -vertices.min(initial=0.0)))
 
 
 def _obstacle_check(clear: Cover, margin: float) -> Check:
