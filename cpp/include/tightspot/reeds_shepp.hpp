@@ -74,19 +74,48 @@ struct Offset {
     Offset mirrored() const { return turned_to(std::copysign(pi, angle) - angle); }
 };
 
+/// The middle lengths of the words without a straight segment: they depend on the distances between the centres only,
+/// so that all symmetries of a goal share them. NaN where the circles are too far apart.
+struct Bends {
+    double lrl, mirrored, repeated, repeated_angle;
+
+    /// The first as given, the others as those of `others`.
+    Bends(double given_lrl, const Bends& others) : Bends(others) { lrl = given_lrl; }
+
+    Bends(const Offset& same, const Offset& cross)
+        : lrl(same.radius <= 4.0 ? -2.0 * std::asin(0.25 * same.radius) : std::nan("")),
+          mirrored(std::nan("")),
+          repeated(std::nan("")),
+          repeated_angle(std::nan("")) {
+        if (const double rho = 0.25 * (2.0 + cross.radius); rho <= 1.0) mirrored = std::acos(rho);
+        const double rho = (20.0 - cross.radius * cross.radius) / 16.0;
+        if (rho < 0.0 || rho > 1.0) return;
+        repeated = -std::acos(rho);
+        repeated_angle = std::atan2(2.0 - rho, -std::sqrt(1.0 - rho * rho));
+    }
+};
+
 /// What the equations need of a goal pose (x, y, phi), in turning radii and seen from the start: where the centre of
 /// its left circle (`same`) and of its right circle (`cross`) lie, seen from the centre of the start's left circle.
 struct Goal {
     double phi;
     Offset same, cross;
+    Bends bends;
+
+    Goal(double heading, const Offset& to_same, const Offset& to_cross)
+        : Goal(heading, to_same, to_cross, Bends(to_same, to_cross)) {}
+
+    Goal(double heading, const Offset& to_same, const Offset& to_cross, const Bends& known)
+        : phi(heading), same(to_same), cross(to_cross), bends(known) {}
 
     /// The goal (-x, y, -phi): the same path driven with the gears exchanged.
-    Goal time_flipped() const { return {-phi, same.mirrored(), cross.mirrored()}; }
+    Goal time_flipped() const { return {-phi, same.mirrored(), cross.mirrored(), bends}; }
 
     /// The goal of the same path driven from its end with the gears exchanged. `reflected` is (x, -y, -phi).
     Goal opposite(const Goal& reflected) const {
         return {phi, same.turned_to(wrapped(phi - same.angle)),
-                reflected.cross.turned_to(wrapped(phi + reflected.cross.angle))};
+                reflected.cross.turned_to(wrapped(phi + reflected.cross.angle)),
+                {bends.lrl, reflected.bends}};
     }
 };
 
@@ -113,8 +142,8 @@ inline bool lsr(const Goal& goal, Lengths& out) {
 
 /// (8.3), (8.4) L+ R- L, the last either way
 inline bool lrl(const Goal& goal, Lengths& out) {
-    if (goal.same.radius > 4.0) return false;
-    const double u = -2.0 * std::asin(0.25 * goal.same.radius);
+    const double u = goal.bends.lrl;
+    if (std::isnan(u)) return false;
     const double t = wrapped(goal.same.angle + 0.5 * u + pi);
     out = {t, u, wrapped(goal.phi - t + u)};
     return nonnegative(out.t) && nonpositive(out.u);
@@ -122,9 +151,8 @@ inline bool lrl(const Goal& goal, Lengths& out) {
 
 /// (8.7) L+ R+u L-u R-
 inline bool lrlr_mirrored(const Goal& goal, Lengths& out) {
-    const double rho = 0.25 * (2.0 + goal.cross.radius);
-    if (rho > 1.0) return false;
-    const double u = std::acos(rho);
+    const double u = goal.bends.mirrored;
+    if (std::isnan(u)) return false;
     const double t = wrapped(goal.cross.angle + 0.5 * pi + u);
     out = {t, u, wrapped(t - 2.0 * u - goal.phi)};
     return nonnegative(out.t) && nonpositive(out.v);
@@ -132,10 +160,9 @@ inline bool lrlr_mirrored(const Goal& goal, Lengths& out) {
 
 /// (8.8) L+ R-u L-u R+
 inline bool lrlr_repeated(const Goal& goal, Lengths& out) {
-    const double rho = (20.0 - goal.cross.radius * goal.cross.radius) / 16.0;
-    if (rho < 0.0 || rho > 1.0) return false;
-    const double t = wrapped(goal.cross.angle + std::atan2(2.0 - rho, -std::sqrt(1.0 - rho * rho)));
-    out = {t, -std::acos(rho), wrapped(t - goal.phi)};
+    if (std::isnan(goal.bends.repeated)) return false;
+    const double t = wrapped(goal.cross.angle + goal.bends.repeated_angle);
+    out = {t, goal.bends.repeated, wrapped(t - goal.phi)};
     return nonnegative(out.t) && nonnegative(out.v);
 }
 
@@ -227,8 +254,8 @@ void for_each_word(const Pose& goal, double radius, Visit&& visit) {
     using detail::Goal, detail::Offset;
     const double x = goal.x / radius, y = goal.y / radius, phi = wrap_angle(goal.theta);
     const double s = std::sin(phi), c = std::cos(phi);
-    const Goal direct{phi, Offset(x - s, y - 1.0 + c), Offset(x + s, y - 1.0 - c)};
-    const Goal reflected{-phi, Offset(x + s, -y - 1.0 + c), Offset(x - s, -y - 1.0 - c)};
+    const Goal direct(phi, Offset(x - s, y - 1.0 + c), Offset(x + s, y - 1.0 - c));
+    const Goal reflected(-phi, Offset(x + s, -y - 1.0 + c), Offset(x - s, -y - 1.0 - c));
     detail::Lengths lengths{};
     for (const bool opposite : {false, true}) {
         for (const bool is_reflected : {false, true}) {
