@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.errors import BuildError, InputError, Problem
+from tightspot.solvers import knots_first
 from tightspot.solvers.base import (
     Array,
     Iteration,
@@ -87,7 +88,8 @@ class Attempt:
     """One of the starts that a solve was made from.
 
     Attributes:
-        start: ``"warm"``: the earlier solution; ``"given"``: the problem's own; or how it was made (see
+        start: ``"warm"``: the earlier solution; ``"given"``: the problem's own; ``"given, at the knots"`` and ``"from
+            the knots"``: see :mod:`tightspot.solvers.knots_first`; or how it was made (see
             :mod:`tightspot.solvers.rough_starts`).
         status: How the solve from there ended, or the drive without obstacles that it should have followed.
         iterations: Of both.
@@ -156,6 +158,17 @@ class StageReport(SolveReport):
         report.__dict__.update(attributes)
         return report
 
+    def _after(self, begun: StageReport) -> StageReport:
+        """This one with what was spent before."""
+        timings = {name: begun.timings[name] + seconds for name, seconds in self.timings.items()}
+        iterations = begun.iterations + self.iterations
+        told = {"timings": timings, "attempts": begun.attempts + self.attempts, "iterations": iterations}
+        return StageReport._of(**(self.__dict__ | told))
+
+    def _named(self, start: str) -> StageReport:
+        """This one, solved once, with the start's name."""
+        return StageReport._of(**(self.__dict__ | {"attempts": (replace(self.attempts[0], start=start),)}))
+
     @property
     def n_variables(self) -> int:
         """n, without computing x."""
@@ -194,6 +207,9 @@ class Stagewise(Solver):
             begins with an earlier solution.
         slack_push: Least slack of a row where a solve begins, m; ``None``: the core's, 0.01. With more, a start that
             violates rows by about as much can move without running into them at once.
+        knots_first: Problems with rows between the knots are solved loosely with those at the knots alone at first
+            (see :mod:`tightspot.solvers.knots_first`), unless ``initial_barrier`` says that the start is a good one.
+            If that leads nowhere, the solve begins at the given start. Iterations and times are those of all together.
         robust: When the solve from the given start comes to nothing, try the ways of
             :mod:`tightspot.solvers.rough_starts`. All together keep to the limits on iterations and time.
     """
@@ -204,6 +220,7 @@ class Stagewise(Solver):
     time_limit: float = 10.0
     initial_barrier: float | None = None
     slack_push: float | None = None
+    knots_first: bool = True
     robust: bool = True
 
     def __post_init__(self) -> None:
@@ -255,8 +272,44 @@ class Stagewise(Solver):
         """
         if warm is not None:
             return self._warm(problem, warm, callback, core)
-        report = self._first()._once(problem, None, callback, core=core)
-        return self._gone_on(problem, report, callback)
+        begun = self._from_knots(problem, callback) if core is None and self._begins_at_knots(problem) else None
+        return self._from_given(problem, begun, callback, core)
+
+    def _from_given(
+        self, problem: StageProblem, begun: StageReport | None, callback: IterationCallback | None, core: Any = None
+    ) -> StageReport:
+        """What was begun at the knots if that is the end of it, or from the given start with what is left."""
+        if begun is None:
+            return self._gone_on(problem, self._first()._once(problem, None, callback, core=core), callback)
+        left = self.max_iterations - begun.iterations
+        if begun.status not in _TRY_AGAIN or left < 1:
+            return begun
+        limited = replace(self, max_iterations=left).with_time_limit(self.time_limit - begun.timings["solve"])
+        return self._gone_on(problem, limited._first()._once(problem, None, callback)._after(begun), callback)
+
+    def _begins_at_knots(self, problem: StageProblem) -> bool:
+        chosen = self.knots_first and self.initial_barrier is None and self.max_iterations >= knots_first.SHARE
+        return chosen and knots_first.has_rows_between(problem)
+
+    def _at_knots(self) -> Stagewise:
+        tolerance, most = max(self.tolerance, knots_first.TOLERANCE), self.max_iterations // knots_first.SHARE
+        return replace(self, tolerance=tolerance, max_iterations=most)
+
+    def _from_knots(self, problem: StageProblem, callback: IterationCallback | None) -> StageReport:
+        """From the given start with the rows at the knots alone, then with all; or the former if it failed."""
+        loose = self._at_knots()._once(knots_first.at_knots(problem), None, callback)
+        if not _leads_on(loose):
+            return _at_the_knots(loose, problem)
+        near = self._near().with_time_limit(self.time_limit - loose.timings["solve"])
+        watch = _stop if loose.status is SolveStatus.STOPPED else callback
+        return _led_on(near._once(_begun_at(problem, loose), None, watch), loose, problem)
+
+    def _near(self) -> Stagewise:
+        """For a start that satisfies the rows at the knots."""
+        most = self.max_iterations - self.max_iterations // knots_first.SHARE
+        most = min(most, 2 * self.max_iterations // 5) if self.robust else most
+        slack = knots_first.SLACK if self.slack_push is None else self.slack_push
+        return replace(self, max_iterations=most, initial_barrier=knots_first.BARRIER, slack_push=slack)
 
     def _first(self) -> Stagewise:
         """For the first start: other ones are to have their turn, too."""
@@ -336,20 +389,37 @@ class Stagewise(Solver):
         """As :func:`tightspot.solvers.solve_many`, with this solver."""
         _check_batch(problems, threads, time_limit)
         until = np.inf if time_limit is None else time.perf_counter() + time_limit
-        reports: list[StageReport] = []
+        reports: list[tuple[StageProblem, StageReport, bool]] = []
         for at in range(0, len(problems), AT_ONCE * threads):
-            reports += self._first()._together(problems[at : at + AT_ONCE * threads], threads, until)
+            reports += self._begun_together(problems[at : at + AT_ONCE * threads], threads, until)
 
-        def gone_on(report: StageReport) -> StageReport:
+        def gone_on(problem: StageProblem, report: StageReport, from_knots: bool) -> StageReport:
             left = until - time.perf_counter()
-            if report.problem is None or left <= 0:
-                return report
-            return replace(self, time_limit=min(self.time_limit, left))._gone_on(report.problem, report, None)
+            limited = self.with_time_limit(left)
+            if from_knots:
+                return limited._from_given(problem, report, None)
+            return report if report.problem is None or left <= 0 else limited._gone_on(problem, report, None)
 
         if threads == 1:
-            return [gone_on(report) for report in reports]
+            return [gone_on(*begun) for begun in reports]
         with ThreadPoolExecutor(threads) as pool:
-            return list(pool.map(gone_on, reports))
+            return list(pool.map(lambda begun: gone_on(*begun), reports))
+
+    def _begun_together(
+        self, problems: Sequence[StageProblem], threads: int, until: float
+    ) -> list[tuple[StageProblem, StageReport, bool]]:
+        """As :meth:`solve_stages` begins each: with its report, and whether it began at the knots."""
+        chosen = [self._begins_at_knots(problem) for problem in problems]
+        plain = iter(self._first()._together(_where(problems, chosen, False), threads, until))
+        eased = _where(problems, chosen, True)
+        loose = self._at_knots()._together([knots_first.at_knots(problem) for problem in eased], threads, until)
+        led = [(problem, report) for problem, report in zip(eased, loose, strict=True) if _leads_on(report)]
+        near = iter(self._near()._together([_begun_at(*one) for one in led], threads, until))
+        both = iter(
+            _led_on(next(near), report, problem) if _leads_on(report) else _at_the_knots(report, problem)
+            for problem, report in zip(eased, loose, strict=True)
+        )
+        return [(problem, next(both if at else plain), at) for problem, at in zip(problems, chosen, strict=True)]
 
     def _together(self, problems: Sequence[StageProblem], threads: int, until: float) -> list[StageReport]:
         """One solve of each from its own start, by the core's threads."""
@@ -424,6 +494,36 @@ class Stagewise(Solver):
             attempts=(Attempt(start, status, answer["iterations"]),),
             core=core,
         )
+
+
+def _begun_at(problem: StageProblem, loose: StageReport) -> StageProblem:
+    assert loose.point is not None
+    return knots_first.begun_at(problem, loose.point.v)
+
+
+def _leads_on(loose: StageReport) -> bool:
+    """Whether all rows are to be solved from there; if only to be told that time is up, in the order of all rows."""
+    return loose.status is not SolveStatus.FAILED and loose.status not in _TRY_AGAIN
+
+
+def _led_on(near: StageReport, loose: StageReport, problem: StageProblem) -> StageReport:
+    """The solve with all rows, as one of the problem with its own start."""
+    both = near._named("from the knots")._after(loose._named("given, at the knots"))
+    return StageReport._of(**(both.__dict__ | {"problem": problem}))
+
+
+def _at_the_knots(loose: StageReport, problem: StageProblem) -> StageReport:
+    """Of a solve that leads nowhere: what was spent on it; or that the problem cannot be used."""
+    unusable = loose.status is SolveStatus.FAILED
+    return replace(loose, problem=problem) if unusable else loose._named("given, at the knots")
+
+
+def _stop(news: Iteration) -> bool:
+    return False
+
+
+def _where(problems: Sequence[StageProblem], chosen: Sequence[bool], wanted: bool) -> list[StageProblem]:
+    return [problem for problem, one in zip(problems, chosen, strict=True) if one is wanted]
 
 
 def _move_ends(core: Any, problem: StageProblem) -> None:
