@@ -28,6 +28,7 @@ using Indices = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::d
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Rows2 = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 using Rows3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Rows3OfParts = nb::ndarray<const double, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu>;
 
 void need(bool holds, const char* sentence) {
     if (!holds) throw nb::value_error(sentence);
@@ -70,6 +71,26 @@ std::vector<Pose> to_poses(const Rows3& rows) {
     std::vector<Pose> result;
     for (std::size_t i = 0; i < rows.shape(0); ++i) result.push_back({rows(i, 0), rows(i, 1), rows(i, 2)});
     return result;
+}
+
+nb::tuple nearness_of(const Rows2& vertices, const Indices& first, const Rows3OfParts& poses, std::int64_t per_interval,
+                      const Obstacles& obstacles, const Walls& walls, double far) {
+    const std::vector<Outline> parts = outlines(vertices, first);
+    const std::size_t samples = poses.shape(1);
+    need(!parts.empty() && parts.size() == poses.shape(0), "each part needs poses");
+    need(per_interval >= 1 && samples > 1 && (samples - 1) % static_cast<std::size_t>(per_interval) == 0,
+         "the samples must be so many an interval, and one at the end");
+    std::vector<SampledPart> bodies;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        std::vector<Pose> places;
+        places.reserve(samples);
+        for (std::size_t s = 0; s < samples; ++s) places.push_back({poses(i, s, 0), poses(i, s, 1), poses(i, s, 2)});
+        bodies.emplace_back(parts[i], places, static_cast<std::size_t>(per_interval));
+    }
+    Nearness found = nearness(bodies, obstacles, walls, far);
+    return nb::make_tuple(column(std::vector<std::int64_t>(found.near.begin(), found.near.end())),
+                          column(std::move(found.apart)), column(std::move(found.clearances)),
+                          column(std::move(found.depths)));
 }
 
 nb::dict report(const Cover& cover) {
@@ -259,5 +280,7 @@ void bind_judge(nb::module_& m) {
             return column(sampled_depths(outline(part), to_poses(poses), walls));
         },
         "part"_a, "poses"_a, "walls"_a);
+    m.def("sampled_nearness", &nearness_of, "vertices"_a, "first"_a, "poses"_a, "per_interval"_a, "obstacles"_a,
+          "walls"_a, "far"_a);
     bind_model<SingleTrack>(m, "SingleTrack");
 }

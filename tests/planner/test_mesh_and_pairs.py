@@ -26,13 +26,13 @@ from tightspot.planner.mesh import (
     steps_for,
     travels_of,
 )
-from tightspot.planner.pairs import Room, by_interval
+from tightspot.planner.pairs import Room
 from tightspot.scenarios import builtin
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid
 from tightspot.vehicles import vehicle
 from tightspot.verification import replay
-from tightspot.verification.sampled import sampled_clearance
+from tightspot.verification.sampled import by_interval, sampled_clearance
 
 
 def drive(inputs: list[tuple[float, float]], step: float = 1.0) -> Trajectory:

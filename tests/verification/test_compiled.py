@@ -14,7 +14,7 @@ from tightspot.trajectory import Trajectory
 from tightspot.vehicles import BodyPart, SingleTrack
 from tightspot.verification import compiled, minimum_clearance, replay, verify
 from tightspot.verification.certificate import digest
-from tightspot.verification.sampled import sampled_clearance, sampled_room
+from tightspot.verification.sampled import by_interval, nearness, sampled_clearance, sampled_room
 
 pytestmark = pytest.mark.skipif(compiled.core() is None, reason="the core is not built")
 
@@ -231,6 +231,41 @@ def test_samples_agree(kit, monkeypatch, far):
     for one, other in zip(mine, its, strict=True):
         assert one.shape == other.shape
         np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("far", [0.0, 0.5, 8.0, np.inf])
+@pytest.mark.parametrize("per_interval", [1, 5])
+def test_nearness_on_intervals_is_the_least_of_the_samples(kit, monkeypatch, seed, far, per_interval):
+    car = articulated(kit)
+    trajectory = kit.wander(car, 7 + seed)
+    scenario = crowded(kit, np.random.default_rng(seed), trajectory, 6, clear=[6.0, 0.5][seed % 2])
+    times = np.linspace(0, trajectory.duration, 10 * per_interval + 1)
+    states = replay(car, trajectory).at(times)
+    mine = nearness(states, per_interval, scenario, car, far)
+    samples = sampled_clearance(states, scenario, car, far)
+    np.testing.assert_allclose(mine.clearances, by_interval(samples[:, :, mine.near], per_interval), atol=1e-12)
+    others = np.setdiff1d(np.arange(samples.shape[2]), mine.near)
+    assert (mine.apart[:, others] > far).all()
+    np.testing.assert_allclose(mine.apart[:, others], samples[0][:, others], atol=1e-12)
+    np.testing.assert_allclose(mine.depths, by_interval(sampled_room(states, scenario, car), per_interval), atol=1e-12)
+    monkeypatch.setattr(compiled, "core", lambda: None)
+    its = nearness(states, per_interval, scenario, car, far)
+    assert np.array_equal(mine.near, its.near)
+    for one, other in zip(
+        (mine.apart, mine.clearances, mine.depths), (its.apart, its.clearances, its.depths), strict=True
+    ):
+        assert one.shape == other.shape
+        np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+def test_nearness_without_obstacles(kit):
+    car = kit.box_car()
+    trajectory = kit.wander(car, 8)
+    found = nearness(np.repeat(trajectory.states[:1], 9, axis=0), 4, kit.scene(trajectory), car)
+    assert found.near.size == 0
+    assert found.clearances.shape == (2, 1, 0)
+    assert found.depths.shape == (2, 1, 4)
 
 
 def test_samples_of_no_states_and_no_obstacles(kit):

@@ -13,19 +13,12 @@ from tightspot.transcription import TimeGrid
 from tightspot.transcription.sampling import states_at
 from tightspot.vehicles.base import VehicleModel
 from tightspot.verification.replay import Replay
-from tightspot.verification.sampled import near_clearance, sampled_room
+from tightspot.verification.sampled import nearness
 
 Array = NDArray[np.float64]
 
 GUESS_SAMPLES = 4
 REPLAY_SAMPLES = 12
-
-
-def by_interval(samples: Array, per_interval: int) -> Array:
-    """Smallest value on each interval, both ends included, of ``N * per_interval + 1`` samples: (N, ...)."""
-    intervals = (len(samples) - 1) // per_interval
-    inner = samples[:-1].reshape(intervals, per_interval, *samples.shape[1:]).min(axis=1)
-    return np.asarray(np.minimum(inner, samples[per_interval::per_interval]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,14 +82,10 @@ class Room:
 
     @classmethod
     def _of(cls, states: Array, per_interval: int, scenario: Scenario, vehicle: VehicleModel) -> Room:
-        near, far, found = near_clearance(states, scenario, vehicle)
-        far[:, near] = np.inf
-        return cls(
-            near,
-            by_interval(found, per_interval),
-            far,
-            by_interval(sampled_room(states, scenario, vehicle), per_interval),
-        )
+        found = nearness(states, per_interval, scenario, vehicle)
+        far = found.apart.copy()
+        far[:, found.near] = np.inf
+        return cls(found.near, found.clearances, far, found.depths)
 
 
 def _subdivided(knots: Array, parts: int) -> Array:

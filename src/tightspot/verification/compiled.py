@@ -133,6 +133,16 @@ def depths(part: ConvexPolygon, poses: Array, barriers: JudgeWalls) -> Array:
     return result
 
 
+def nearness(
+    parts: PolygonStack, poses: Array, per_interval: int, barriers: JudgeObstacles, edges: JudgeWalls, far: float
+) -> tuple[NDArray[np.int64], Array, Array, Array]:
+    """See :func:`tightspot.verification.sampled.nearness`: of parts at the poses (parts, M, 3), each in a row."""
+    result: tuple[NDArray[np.int64], Array, Array, Array] = core().sampled_nearness(
+        parts.vertices, parts.first, poses, per_interval, barriers, edges, far
+    )
+    return result
+
+
 def _filled(options: Any, values: dict[str, float]) -> Any:
     for name, value in values.items():
         setattr(options, name, value)

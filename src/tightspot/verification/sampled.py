@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -80,10 +82,54 @@ def sampled_room(states: Array, scenario: Scenario, vehicle: VehicleModel) -> Ar
     return result
 
 
-def _poses(states: Array, vehicle: VehicleModel) -> list[Array]:
-    """Of every body part's frame at the states, each (M, 3)."""
+@dataclass(frozen=True, eq=False)
+class Nearness:
+    """How near a motion comes to everything on each of its N intervals.
+
+    Attributes:
+        near: Which obstacle parts may come nearer to a body part than asked for, (n,).
+        apart: How far the bounding boxes of each body part's whole motion and of each obstacle part are apart, m,
+            (parts, obstacle parts).
+        clearances: Smallest of :func:`sampled_clearance` of the near ones, m, (N, parts, n).
+        depths: Smallest of :func:`sampled_room`, m, (N, parts, edges).
+    """
+
+    near: NDArray[np.intp]
+    apart: Array
+    clearances: Array
+    depths: Array
+
+
+def nearness(states: Array, per_interval: int, scenario: Scenario, vehicle: VehicleModel, far: float = FAR) -> Nearness:
+    """Of ``N * per_interval + 1`` states in order; what lies at both ends of an interval counts for it."""
+    if not compiled.is_there():
+        near, apart, found = near_clearance(states, scenario, vehicle, far)
+        depths = sampled_room(states, scenario, vehicle)
+        return Nearness(near, apart, by_interval(found, per_interval), by_interval(depths, per_interval))
+    parts, polygons = PolygonStack(part.polygon for part in vehicle.parts), scenario.obstacle_polygons
+    barriers = compiled.obstacles(polygons), compiled.walls(scenario.workspace)
+    near, *rest = compiled.nearness(parts, _poses(states, vehicle), per_interval, *barriers, far)
+    apart, clearances, depths = rest
+    each = (len(states) - 1) // per_interval, len(parts)
+    return Nearness(
+        near.astype(np.intp, copy=False),
+        apart.reshape(len(parts), len(polygons)),
+        clearances.reshape(*each, near.size),
+        depths.reshape(*each, len(scenario.workspace.b)),
+    )
+
+
+def by_interval(samples: Array, per_interval: int) -> Array:
+    """Smallest value on each interval, both ends included, of ``N * per_interval + 1`` samples: (N, ...)."""
+    intervals = (len(samples) - 1) // per_interval
+    inner = samples[:-1].reshape(intervals, per_interval, *samples.shape[1:]).min(axis=1)
+    return np.asarray(np.minimum(inner, samples[per_interval::per_interval]))
+
+
+def _poses(states: Array, vehicle: VehicleModel) -> Array:
+    """Of every body part's frame at the states, (parts, M, 3)."""
     frames = vehicle.frames(list(states.T), np)
     poses = np.empty((len(vehicle.parts), len(states), 3))
     for part, places in zip(vehicle.parts, poses, strict=True):
         places[:, 0], places[:, 1], places[:, 2] = frames[part.frame]
-    return list(poses)
+    return poses
