@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from itertools import accumulate
 from typing import overload
 
 import numpy as np
@@ -31,7 +32,7 @@ class PolygonStack(Sequence[ConvexPolygon]):
         self._polygons = tuple(polygons)
         corners = [polygon.vertices for polygon in self._polygons]
         self.vertices: Array = np.concatenate(corners) if corners else np.zeros((0, 2))
-        self.first: Integers = np.cumsum([0, *map(len, corners)], dtype=np.int64)
+        self.first: Integers = np.array([0, *accumulate(map(len, corners))], dtype=np.int64)
         self.vertices.setflags(write=False)
         self.first.setflags(write=False)
 
@@ -69,7 +70,10 @@ class PolygonStack(Sequence[ConvexPolygon]):
         No polygon is nearer than that to the points' convex hull. 0 where the boxes touch, infinite without points.
         """
         points = np.asarray(points, dtype=float)
-        above, below = self.low - points.max(axis=0, initial=-np.inf), points.min(axis=0, initial=np.inf) - self.high
+        x, y = points.T  # far quicker than to reduce along the first axis
+        low = x.min(initial=np.inf), y.min(initial=np.inf)
+        high = x.max(initial=-np.inf), y.max(initial=-np.inf)
+        above, below = self.low - high, low - self.high
         gaps = np.maximum(np.maximum(above, below), 0.0)
         return np.asarray(np.hypot(gaps[:, 0], gaps[:, 1]))
 

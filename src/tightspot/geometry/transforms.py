@@ -54,6 +54,8 @@ def nearest_angle(angle: float, reference: float) -> float: ...
 def nearest_angle(angle: ArrayLike, reference: ArrayLike) -> Array: ...
 def nearest_angle(angle: ArrayLike, reference: ArrayLike) -> Array | float:
     """``angle + 2 pi k`` with the integer k that brings it nearest to the reference, rad."""
+    if isinstance(angle, float) and isinstance(reference, float):
+        return float(angle - 2 * np.pi * np.rint((angle - reference) / (2 * np.pi)))
     angle, reference = np.asarray(angle, dtype=float), np.asarray(reference, dtype=float)
     return np.asarray(angle - 2 * np.pi * np.round((angle - reference) / (2 * np.pi)))[()]
 

@@ -39,29 +39,30 @@ def lift_rolling(path: Path, start: Array, goal_steering: float, vehicle: Single
     Returns:
         Knots at the path's poses.
     """
-    steps = np.diff(path.poses, axis=0)
+    steps = path.poses[1:] - path.poses[:-1]
     ways = np.hypot(steps[:, 0], steps[:, 1]) / np.sinc(steps[:, 2] / (2 * np.pi))
     moves = ways > _SHORTEST
     poses = path.poses[np.concatenate(([True], moves))]
     gears, wanted = path.gear[1:][moves].astype(float), np.arctan(path.curvature[1:][moves] * vehicle.wheelbase)
-    s = np.concatenate(([0.0], np.cumsum(ways[moves])))
+    s = np.concatenate(([0.0], ways[moves].cumsum()))
     first = wanted[0] if np.isnan(start[4]) else float(start[4])
     last = goal_steering if np.isfinite(goal_steering) else wanted[-1]
     delta = _averaged(s, wanted, first, last, min(HALF_WINDOW * vehicle.wheelbase, s[-1] / 2))
-    delta = np.clip(delta, -vehicle.limits.steering, vehicle.limits.steering)
-    durations, v = _timed(s, gears, np.abs(np.diff(delta)), vehicle)
-    states = np.column_stack([poses, v, delta])
-    inputs = np.diff(states[:, 3:], axis=0) / durations[:, None]
+    delta = np.minimum(np.maximum(delta, -vehicle.limits.steering), vehicle.limits.steering)
+    durations, v = _timed(s, gears, np.abs(delta[1:] - delta[:-1]), vehicle)
+    states = np.concatenate([poses, v[:, None], delta[:, None]], axis=1)
+    inputs = (states[1:, 3:] - states[:-1, 3:]) / durations[:, None]
     low, high = vehicle.input_bounds
-    t = np.concatenate(([0.0], np.cumsum(durations)))
-    return Trajectory(t, states, np.clip(inputs, low, high), vehicle.state_names, vehicle.input_names)
+    t = np.concatenate(([0.0], durations.cumsum()))
+    inputs = np.minimum(np.maximum(inputs, low), high)
+    return Trajectory(t, states, inputs, vehicle.state_names, vehicle.input_names)
 
 
 def _averaged(s: Array, wanted: Array, first: float, last: float, half: float) -> Array:
     """The mean of the piecewise constant ``wanted`` (N,) over ``s`` +- ``half``, led to ``first`` and ``last``."""
     edges = np.concatenate(([-half], s, [s[-1] + half]))
     values = np.concatenate(([first], wanted, [last]))
-    integral = np.concatenate(([0.0], np.cumsum(values * np.diff(edges))))
+    integral = np.concatenate(([0.0], (values * (edges[1:] - edges[:-1])).cumsum()))
     mean = (np.interp(s + half, edges, integral) - np.interp(s - half, edges, integral)) / (2 * half)
     from_first = np.maximum(1 - s / half, 0.0)
     from_last = np.maximum(1 - (s[-1] - s) / half, 0.0)
@@ -72,12 +73,12 @@ def _timed(s: Array, gears: Array, swings: Array, vehicle: SingleTrack) -> tuple
     """Durations of the intervals (N,), in which the wheels swing by so many rad, and signed speeds at the knots."""
     limits = vehicle.limits
     rate = min(limits.acceleration[1], -limits.acceleration[0])
-    changes = np.flatnonzero(np.diff(gears)) + 1
+    changes = (gears[1:] != gears[:-1]).nonzero()[0] + 1
     stops = np.concatenate(([0], changes, [s.size - 1]))
     room = np.abs(s[:, None] - s[stops]).min(axis=1)
     top = np.where(gears > 0, limits.speed[1], -limits.speed[0])
     ramp = np.sqrt(2 * rate * room)
-    ways = np.diff(s)
+    ways = s[1:] - s[:-1]
     mean = np.minimum(top, (ramp[1:] + ramp[:-1]) / 2)
     mean = np.minimum(mean, limits.steering_rate * ways / np.maximum(swings, 1e-12))
     mean = np.maximum(mean, _CRAWL * top)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,20 +26,21 @@ STILL = 0.004
 
 def path_length(trajectory: Trajectory) -> float:
     """Length of the reference point's path, m, from the chords between the knots."""
-    return float(np.hypot(*np.diff(trajectory.poses[:, :2], axis=0).T).sum())
+    x, y = trajectory.column("x"), trajectory.column("y")
+    return float(np.hypot(x[1:] - x[:-1], y[1:] - y[:-1]).sum())
 
 
 def gear_changes(trajectory: Trajectory, threshold: float = 1e-3) -> int:
     """How often the sign of v changes, not counting standstill below ``threshold`` m/s."""
     v = trajectory.column("v")
     signs = np.sign(v[np.abs(v) > threshold])
-    return int(np.count_nonzero(np.diff(signs)))
+    return int(np.count_nonzero(signs[1:] != signs[:-1]))
 
 
 def steps_for(guess: Trajectory) -> int:
     """Number of intervals: some for every metre and for every gear, within bounds."""
     wanted = path_length(guess) / METRES_PER_STEP + STEPS_PER_GEAR * gear_changes(guess)
-    return int(np.clip(math.ceil(wanted), FEWEST, MOST))
+    return min(max(math.ceil(wanted), FEWEST), MOST)
 
 
 def poses_for(formulation: Formulation, guess: Trajectory, vehicle: VehicleModel, steps: int) -> int:
@@ -67,7 +69,7 @@ def covers_of(motion: Trajectory, vehicle: VehicleModel) -> Array:
     With the states at the knots and the inputs of a motion that is about to be optimised further.
     """
     middle = (motion.states[:-1] + motion.states[1:]) / 2
-    h = np.diff(motion.t)
+    h = motion.t[1:] - motion.t[:-1]
     bounds = [
         np.broadcast_to(
             vehicle.acceleration_bound(
@@ -77,14 +79,14 @@ def covers_of(motion: Trajectory, vehicle: VehicleModel) -> Array:
         )
         for part in vehicle.parts
     ]
-    return np.asarray(np.max(bounds, axis=0) * h**2 / 8)
+    return np.asarray(reduce(np.maximum, bounds) * h**2 / 8)
 
 
 def travels_of(motion: Trajectory, vehicle: VehicleModel) -> Array:
     """How far no body point goes beyond on each interval, m, (N,): by the largest speeds there."""
     bounds = vehicle.motion_bounds(motion.states[:-1], motion.states[1:], motion.inputs)
     speeds = [bounds[part.frame].speed + part.polygon.radius * bounds[part.frame].yaw_rate for part in vehicle.parts]
-    return np.asarray(np.max(speeds, axis=0) * np.diff(motion.t))
+    return np.asarray(reduce(np.maximum, speeds) * (motion.t[1:] - motion.t[:-1]))
 
 
 def poses_on(formulation: Formulation, covers: Array, clearances: Array, travels: Array) -> tuple[int, ...]:
@@ -106,7 +108,7 @@ def poses_on(formulation: Formulation, covers: Array, clearances: Array, travels
         return (1,) * covers.size
     wanted = np.ceil(np.sqrt(covers / COVER))
     wanted[clearances > covers + EASY] = 1
-    wanted = np.clip(wanted, 1, MOST_POSES)
+    wanted = np.minimum(np.maximum(wanted, 1), MOST_POSES)
     far = ROOMY if clearances.min(initial=0.0) >= -SLIGHT else np.inf
     wanted[(clearances > far) | (travels < STILL)] = 0
-    return tuple(int(count) for count in wanted)
+    return tuple(wanted.astype(int).tolist())

@@ -91,5 +91,5 @@ class Room:
 def _subdivided(knots: Array, parts: int) -> Array:
     """Each interval between the knots cut into ``parts`` equal pieces."""
     weights = np.arange(parts) / parts
-    inner = knots[:-1, None] + np.diff(knots)[:, None] * weights
+    inner = knots[:-1, None] + (knots[1:] - knots[:-1])[:, None] * weights
     return np.concatenate([inner.ravel(), knots[-1:]])

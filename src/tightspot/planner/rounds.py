@@ -269,7 +269,8 @@ def _judged(
     if report.violation <= FEASIBLE and np.isfinite(report.objective):
         progress(Progress("verify", "replaying the inputs and covering all times", number))
         motion = replay(request.vehicle, trajectory)
-        trajectory = replace(trajectory, states=_within_bounds(motion.knots, request))
+        names = trajectory.state_names, trajectory.input_names
+        trajectory = Trajectory(trajectory.t, _within_bounds(motion.knots, request), trajectory.inputs, *names)
         certificate = verify(request.scenario, request.vehicle, trajectory, margin=request.margin, known=motion)
     timings = timings | {"judge": time.perf_counter() - started}
     return Round(step, program, report, abandoned, trajectory, motion, certificate, timings)
@@ -291,5 +292,5 @@ def _finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _within_bounds(states: NDArray[np.float64], request: Request) -> NDArray[np.float64]:
     """The states with rounding errors beyond a bound (below 1e-9) put back onto it."""
     low, high = request.vehicle.state_bounds
-    clipped = np.clip(states, low, high)
+    clipped = np.minimum(np.maximum(states, low), high)
     return np.where(np.abs(clipped - states) < 1e-9, clipped, states)

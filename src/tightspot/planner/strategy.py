@@ -71,7 +71,7 @@ def at_knots(formulation: Formulation) -> Formulation:
 def on_grid(motion: Replay, grid: TimeGrid) -> Trajectory:
     """The replayed motion at the knots of a finer grid: it satisfies the dynamics there."""
     onto = resample(motion.trajectory, grid)
-    return replace(onto, states=motion.at(onto.t))
+    return Trajectory(onto.t, motion.at(onto.t), onto.inputs, onto.state_names, onto.input_names)
 
 
 def _uniform(request: Request, formulation: Formulation, guess: Trajectory, steps: int) -> Mesh:

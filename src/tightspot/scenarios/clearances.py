@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -90,7 +91,9 @@ def workspace_excess(
 
 def body_vertices(vehicle: VehicleModel, state: Array) -> list[tuple[str, Array]]:
     """Each body part's name and vertices in the scene, m, (n, 2); free entries of the state count as zero."""
-    known = dict(zip(STATE, np.nan_to_num(state), strict=True))
+    known = {
+        name: 0.0 if math.isnan(value) else value for name, value in zip(STATE, np.asarray(state).tolist(), strict=True)
+    }
     frames = vehicle.frames([known.get(name, 0.0) for name in vehicle.state_names], np)
     return [
         (part.name, transform(part.polygon.vertices, np.array(frames[part.frame], dtype=float)))

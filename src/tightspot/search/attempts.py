@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -114,12 +115,17 @@ class Scene:
         return settings
 
 
-def _steering(resolution: Resolution, options: HybridAStarOptions) -> list[float]:
+def _steering(resolution: Resolution, options: HybridAStarOptions) -> Sequence[float]:
     """Curvatures to try, parts of the largest."""
     if not resolution.steering_halvings:
-        return list(np.linspace(-1.0, 1.0, options.steering_levels))
+        return _evenly_spaced(options.steering_levels)
     left = [0.5**halved for halved in range(resolution.steering_halvings + 1)]
     return sorted([*left, 0.0, *(-part for part in left)])
+
+
+@cache
+def _evenly_spaced(levels: int) -> tuple[float, ...]:
+    return tuple(np.linspace(-1.0, 1.0, levels).tolist())
 
 
 def _record(resolution: Resolution, margin: float, direction: Direction, answer: _core.SearchAnswer) -> Attempt:

@@ -39,7 +39,8 @@ class Path:
     @property
     def gear_changes(self) -> int:
         """How often the direction of travel changes."""
-        return int(np.count_nonzero(np.diff(np.sign(self.arcs[:, 0]))))
+        gears = np.sign(self.arcs[:, 0])
+        return int(np.count_nonzero(gears[1:] != gears[:-1]))
 
     @classmethod
     def from_arcs(cls, start: ArrayLike, arcs: ArrayLike, spacing: float = 0.1, goal: ArrayLike | None = None) -> Path:
@@ -59,7 +60,7 @@ class Path:
         poses = samples[:, :3].copy()
         if goal is not None:
             x, y, theta = pose_of(goal, "goal")
-            poses[-1] = x, y, theta + 2 * np.pi * np.round((poses[-1, 2] - theta) / (2 * np.pi))
+            poses[-1] = x, y, theta + 2 * np.pi * round((poses[-1, 2] - theta) / (2 * np.pi))
         return cls(poses, samples[:, 3].copy(), samples[:, 4].astype(np.int64), arcs)
 
 

@@ -27,7 +27,7 @@ class TimeGrid:
         fractions.setflags(write=False)
         object.__setattr__(self, "fractions", fractions)
         valid = fractions.ndim == 1 and fractions.size >= 2 and fractions[0] == 0 and fractions[-1] == 1
-        if not (valid and (np.diff(fractions) > 0).all()):
+        if not (valid and (fractions[1:] > fractions[:-1]).all()):
             raise InputError(Problem("grid.fractions", "must increase from 0 to 1 with at least one interval"))
 
     @classmethod
@@ -45,7 +45,7 @@ class TimeGrid:
     @property
     def widths(self) -> Array:
         """Fractions ``s_{k+1} - s_k`` of the intervals, (N,)."""
-        return np.diff(self.fractions)
+        return self.fractions[1:] - self.fractions[:-1]
 
     def split(self, intervals: ArrayLike, parts: int = 2) -> TimeGrid:
         """A grid in which each of the named intervals (0 to N - 1) is cut into ``parts`` equal ones."""
@@ -63,9 +63,9 @@ class TimeGrid:
         counts = np.asarray(pieces, int)
         if counts.shape != (self.steps,) or (counts < 1).any():
             raise InputError(Problem("pieces", f"must be {self.steps} numbers, one an interval, 1 or more each"))
-        last = np.cumsum(counts)
-        number = np.arange(1, last[-1] + 1) - np.repeat(last - counts, counts)
+        last = counts.cumsum()
+        number = np.arange(1, last[-1] + 1) - (last - counts).repeat(counts)
         fractions = np.zeros(last[-1] + 1)
-        fractions[1:] = np.repeat(self.fractions[:-1], counts) + number * np.repeat(self.widths / counts, counts)
+        fractions[1:] = self.fractions[:-1].repeat(counts) + number * (self.widths / counts).repeat(counts)
         fractions[last] = self.fractions[1:]
         return TimeGrid(fractions)

@@ -66,7 +66,7 @@ class Objective:
         """J of a trajectory: knot times (N+1,) and inputs (N, n_u)."""
         t, inputs = np.asarray(t, float), np.asarray(inputs, float)
         duration = t[-1] - t[0]
-        energy = float(np.diff(t) @ (inputs**2 @ np.array(self.input_weights)))
+        energy = float((t[1:] - t[:-1]) @ (inputs**2 @ np.array(self.input_weights)))
         if self.energy is EnergyForm.NORMALISED:
             energy /= duration
         return float(self.time_weight * duration + energy)

@@ -19,14 +19,14 @@ def states_at(guess: Trajectory, t: Array) -> Array:
 def inputs_on(guess: Trajectory, t: Array) -> Array:
     """Mean inputs on the intervals between the times t, (len(t) - 1, n_u)."""
     integral = np.zeros((guess.t.size, guess.inputs.shape[1]))
-    np.cumsum(guess.inputs * np.diff(guess.t)[:, None], axis=0, out=integral[1:])
+    (guess.inputs * (guess.t[1:] - guess.t[:-1])[:, None]).cumsum(axis=0, out=integral[1:])
     at_t = _interpolated(t, guess.t, integral)
-    return np.asarray(np.diff(at_t, axis=0) / np.diff(t)[:, None])
+    return np.asarray((at_t[1:] - at_t[:-1]) / (t[1:] - t[:-1])[:, None])
 
 
 def _interpolated(t: Array, knots: Array, values: Array) -> Array:
     """Each column of the values at the knots (K, n), linearly interpolated at times t, (len(t), n)."""
-    if np.array_equal(t, knots):
+    if t.size == knots.size and (t == knots).all():
         return values.copy()
     found = np.empty((len(t), values.shape[1]))
     for i, column in enumerate(values.T):

@@ -112,12 +112,12 @@ def _arrays(
 ) -> StageProblem:
     assert isinstance(vehicle, SingleTrack)
     pieces, whole = settings.samples(grid.steps)
-    pairs, wall_indices = np.argwhere(active), np.argwhere(walls)
+    pairs, wall_indices = np.transpose(active.nonzero()), np.transpose(walls.nonzero())
     fixed = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
     pair_demands, sides, wall_demands = _demands(settings, pieces, whole, fixed)
-    low, high = (bound.copy() for bound in vehicle.state_bounds)
+    (input_low, input_high), (low, high) = vehicle.input_bounds, (bound.copy() for bound in vehicle.state_bounds)
     low[2], high[2] = max(low[2], -settings.heading_limit), min(high[2], settings.heading_limit)
-    states = np.clip(guess.states, low, high)
+    states = np.minimum(np.maximum(guess.states, low), high)
     for k, state in ((0, start), (-1, goal)):
         states[k] = np.where(np.isnan(state), states[k], state)
     time_low, time_high = settings.final_time_bounds
@@ -125,7 +125,7 @@ def _arrays(
     steering = vehicle.limits.steering
     parts = PolygonStack(part.polygon for part in vehicle.parts)
     polygons = (parts.vertices, parts.first, obstacles.vertices, obstacles.first)
-    final_time = float(np.clip(guess.duration, time_low, time_high))
+    final_time = float(min(max(guess.duration, time_low), time_high))
     frames = moving.frames(final_time)
     lines = start_lines(guess.states, pieces, pairs, *polygons, whole=whole, moving=moving.obstacles, frames=frames)
     extras = moving.extras[tuple(pairs.T)] / 2 if moving.obstacles.size else np.zeros(0)
@@ -146,8 +146,8 @@ def _arrays(
         time_scaled=settings.objective.energy is EnergyForm.TIME_SCALED,
         state_low=low,
         state_high=high,
-        input_low=vehicle.input_bounds[0],
-        input_high=vehicle.input_bounds[1],
+        input_low=input_low,
+        input_high=input_high,
         time_low=float(time_low),
         time_high=float(time_high),
         start=start,
@@ -162,11 +162,11 @@ def _arrays(
         pair_sides=pair_sides,
         pair_penalties=penalties,
         walls=np.ascontiguousarray(wall_indices[:, :2]),
-        wall_lines=np.column_stack([scenario.workspace.A[edges], scenario.workspace.b[edges]]),
+        wall_lines=np.concatenate([scenario.workspace.A, scenario.workspace.b[:, None]], axis=1)[edges],
         pair_demands=pair_demands,
         wall_demands=wall_demands,
         states=states,
-        inputs=np.clip(guess.inputs, *vehicle.input_bounds),
+        inputs=np.minimum(np.maximum(guess.inputs, input_low), input_high),
         final_time=final_time,
         lines=lines.beside_obstacles() if soft else lines.lines,
         penetrations=lines.overlaps if soft else np.zeros(len(pairs)),
@@ -188,7 +188,7 @@ def _demands(
     the first sample's clearance lies on the obstacle's side of the line, d less that half on the body's. Intervals that
     are not ``whole`` have rows at their last sample only, without a cover.
     """
-    last = np.cumsum(pieces + 1) - 1
+    last = (pieces + 1).cumsum() - 1
     first = last - pieces
     clearance = np.empty((last[-1] + 1, 2))
     clearance[:, 0], clearance[:, 1] = settings.margin, whole.repeat(pieces + 1)

@@ -253,4 +253,6 @@ def _misfits(vehicle: VehicleModel, guess: Trajectory, settings: Settings, ends:
 def _with_usable_margins(settings: Settings) -> Settings:
     smallest = settings.formulation.smallest_margin
     end = settings.margin if settings.end_margin is None else settings.end_margin
+    if settings.margin >= smallest and settings.end_margin is not None and end >= smallest:
+        return settings
     return replace(settings, margin=max(settings.margin, smallest), end_margin=max(end, smallest))
