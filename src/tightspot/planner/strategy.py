@@ -20,7 +20,8 @@ from tightspot.planner.request import Request
 from tightspot.planner.rounds import Mesh, Round, Step
 from tightspot.solvers import Stagewise
 from tightspot.trajectory import Trajectory
-from tightspot.transcription import TimeGrid, resample
+from tightspot.transcription import TimeGrid
+from tightspot.transcription.sampling import inputs_on, times_on
 from tightspot.verification import Certificate
 from tightspot.verification.replay import Replay
 
@@ -70,8 +71,9 @@ def at_knots(formulation: Formulation) -> Formulation:
 
 def on_grid(motion: Replay, grid: TimeGrid) -> Trajectory:
     """The replayed motion at the knots of a finer grid: it satisfies the dynamics there."""
-    onto = resample(motion.trajectory, grid)
-    return Trajectory(onto.t, motion.at(onto.t), onto.inputs, onto.state_names, onto.input_names)
+    driven = motion.trajectory
+    t = times_on(driven, grid)
+    return Trajectory(t, motion.at(t), inputs_on(driven, t), driven.state_names, driven.input_names)
 
 
 def _uniform(request: Request, formulation: Formulation, guess: Trajectory, steps: int) -> Mesh:

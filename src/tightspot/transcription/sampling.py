@@ -34,8 +34,14 @@ def _interpolated(t: Array, knots: Array, values: Array) -> Array:
     return found
 
 
-def resample(guess: Trajectory, grid: TimeGrid) -> Trajectory:
-    """The guess on the grid: interpolated states, mean inputs, the same duration."""
+def times_on(guess: Trajectory, grid: TimeGrid) -> Array:
+    """The grid's knots over the guess's horizon, s, (N + 1,)."""
     t = guess.t[0] + guess.duration * grid.fractions
     t[-1] = guess.t[-1]
+    return t
+
+
+def resample(guess: Trajectory, grid: TimeGrid) -> Trajectory:
+    """The guess on the grid: interpolated states, mean inputs, the same duration."""
+    t = times_on(guess, grid)
     return Trajectory(t - t[0], states_at(guess, t), inputs_on(guess, t), guess.state_names, guess.input_names)
