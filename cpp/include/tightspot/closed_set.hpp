@@ -18,7 +18,7 @@ struct PoseCells {
 
     /// `is_apart`: a second cell of its own at the same place.
     std::uint64_t key(const Pose& pose, int gear, bool is_apart) const {
-        const auto turn = static_cast<std::int64_t>(std::floor(pose.theta * heading_bins / (2.0 * pi) + 0.5));
+        const std::int64_t turn = floored(pose.theta * heading_bins / (2.0 * pi) + 0.5);
         const std::int64_t heading = turn % heading_bins + (turn % heading_bins < 0 ? heading_bins : 0);
         return (number(pose.x - origin.x) << 40U | number(pose.y - origin.y) << 16U |
                 static_cast<std::uint64_t>(is_apart) << 15U | static_cast<std::uint64_t>(heading) << 2U |
@@ -29,7 +29,13 @@ struct PoseCells {
 private:
     /// A column or row as 24 bits; just outside of the workspace, too.
     std::uint64_t number(double distance) const {
-        return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(distance / size)) + 1) & 0xFFFFFFU;
+        return static_cast<std::uint64_t>(floored(distance / size) + 1) & 0xFFFFFFU;
+    }
+
+    /// The largest whole number that is not above, as std::floor finds it, which is a call on processors without SSE4.1.
+    static std::int64_t floored(double value) {
+        const auto whole = static_cast<std::int64_t>(value);
+        return whole - static_cast<std::int64_t>(value < static_cast<double>(whole));
     }
 };
 

@@ -28,8 +28,8 @@ struct Grid {
     }
 
     int size() const { return columns * rows; }
-    int column(double x) const { return clamped(std::floor((x - origin.x) / cell), columns); }
-    int row(double y) const { return clamped(std::floor((y - origin.y) / cell), rows); }
+    int column(double x) const { return clamped((x - origin.x) / cell, columns); }
+    int row(double y) const { return clamped((y - origin.y) / cell, rows); }
     int index(Point q) const { return row(q.y) * columns + column(q.x); }
     Point middle(int index) const {
         return {origin.x + (index % columns + 0.5) * cell, origin.y + (index / columns + 0.5) * cell};
@@ -60,6 +60,7 @@ struct Grid {
     }
 
 private:
+    /// The whole part; what is below 0 becomes 0, what is too much the last.
     static int clamped(double value, int count) {
         return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(count - 1)));
     }
