@@ -239,3 +239,38 @@ TEST(samples_are_exact_near_and_no_larger_far_away) {
     CHECK_CLOSE(depths[2], 5.5, 1e-12);
     CHECK(sampled_clearances(part, {}, obstacles, 8).empty());
 }
+
+TEST(nearness_on_intervals_is_the_least_of_the_samples) {
+    const Obstacles obstacles({box(4, 5, -1, 1), box(0, 1, 30, 31), box(-3, -2.5, 2, 4)});
+    const Walls walls{{{1, 0}, {0, -1}}, {-2, -9}};
+    const std::vector<Outline> parts{box(-1, 1, -0.5, 0.5), box(0.5, 2, -0.2, 0.2)};
+    constexpr std::size_t intervals = 6, each = 5;
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i <= intervals * each; ++i) {
+        const double s = 0.3 * static_cast<double>(i);
+        poses.push_back({3.5 * std::sin(s), 2 * std::cos(0.7 * s), s * s / 9});
+    }
+    for (const double far : {0.5, 8.0, 1e9}) {
+        std::vector<SampledPart> bodies;
+        for (const Outline& part : parts) bodies.emplace_back(part, poses, each);
+        const Nearness found = nearness(bodies, obstacles, walls, far);
+        CHECK(found.near.size() == (far > 1e8 ? 3u : 2u));
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            const std::vector<double> clear = sampled_clearances(parts[i], poses, obstacles, far);
+            const std::vector<double> depths = sampled_depths(parts[i], poses, walls);
+            const auto least = [&](const std::vector<double>& all, std::size_t k, std::size_t column, std::size_t of) {
+                double value = all[k * each * of + column];
+                for (std::size_t s = k * each; s <= (k + 1) * each; ++s) value = std::min(value, all[s * of + column]);
+                return value;
+            };
+            for (std::size_t k = 0; k < intervals; ++k) {
+                const std::size_t row = k * parts.size() + i;
+                const std::size_t near = found.near.size();
+                for (std::size_t j = 0; j < near; ++j)
+                    CHECK_CLOSE(found.clearances[row * near + j], least(clear, k, found.near[j], 3), 1e-12);
+                for (std::size_t w = 0; w < 2; ++w)
+                    CHECK_CLOSE(found.depths[row * 2 + w], least(depths, k, w, 2), 1e-12);
+            }
+        }
+    }
+}

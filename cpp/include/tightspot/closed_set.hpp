@@ -32,7 +32,7 @@ private:
         return static_cast<std::uint64_t>(floored(distance / size) + 1) & 0xFFFFFFU;
     }
 
-    /// The largest whole number that is not above, as std::floor finds it, which is a call on processors without SSE4.1.
+    /// The largest whole number that is not above. std::floor would be a call unless compiled for newer processors.
     static std::int64_t floored(double value) {
         const auto whole = static_cast<std::int64_t>(value);
         return whole - static_cast<std::int64_t>(value < static_cast<double>(whole));

@@ -126,7 +126,7 @@ void least_depths(SampledPart& body, const Walls& walls, Keep&& keep) {
 /// How near a body comes to everything on each interval of a motion.
 struct Nearness {
     std::vector<int> near;           ///< obstacles whose boxes a part's whole motion comes as near to as asked for
-    std::vector<double> apart;       ///< from the box of each part's whole motion to each obstacle's, m, part after part
+    std::vector<double> apart;       ///< from each part's whole motion to each obstacle by boxes, m, part after part
     std::vector<double> clearances;  ///< smallest to the near ones, m: interval after interval, part after part
     std::vector<double> depths;      ///< smallest inside each wall, m: the same
 };
