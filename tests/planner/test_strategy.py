@@ -24,7 +24,7 @@ from tightspot.planner.strategy import (
     refine,
 )
 from tightspot.scenarios import Scenario, builtin
-from tightspot.solvers import Ipopt
+from tightspot.solvers import Ipopt, StageReport
 from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid
 from tightspot.verification import replay, verify
@@ -161,6 +161,24 @@ def test_after_the_knots_come_whole_intervals_on_a_mesh_that_is_finer_where_it_i
     timings = second.to_dict()["timings"]
     assert set(timings) == {"set_up", "solve", "judge"}
     assert second.to_dict()["seconds"] == sum(timings.values())
+
+
+def test_a_guess_is_solved_at_the_knots_first_but_not_a_solution() -> None:
+    asked, guess, outcome = solved_at_the_knots("parallel")
+    step = next_step(asked, [outcome], guess)
+    assert step is not None
+    assert _starts(run_round(asked, replace(step, mesh=_whole(step.mesh)), 1, lambda news: None, 60.0))[0] == "given"
+    cold = Step(_whole(step.mesh), guess, "guess", "from the guess")
+    assert _starts(run_round(asked, cold, 1, lambda news: None, 60.0))[0] == "given, at the knots"
+
+
+def _whole(mesh: Mesh) -> Mesh:
+    return replace(mesh, formulation=SweptLine(), poses=(1,) * mesh.grid.steps)
+
+
+def _starts(outcome: Round) -> list[str]:
+    assert isinstance(outcome.report, StageReport)
+    return [one.start for one in outcome.report.attempts]
 
 
 def test_a_solution_whose_knots_jump_over_an_obstacle_is_no_start() -> None:

@@ -232,6 +232,7 @@ def _solved(
     if before is None or not isinstance(before.report, StageReport):
         return solver.solve_stages(problem_of(request, step), callback=watch)
     problem = carry_lines(before.mesh.grid, before.report, problem_of(request, step))
+    solver = replace(solver, knots_first=False)  # these lines have chosen their edges
     if solver.initial_barrier is None:
         between = step.mesh.formulation.holds == "interval"
         barrier, slack = (BETWEEN_BARRIER, BETWEEN_SLACK) if between else (WARM_BARRIER, None)
