@@ -138,7 +138,10 @@ def solvers_for(
     """
     fits = fits_stages(vehicle, formulation)
     if solver is None:
-        first, *others = _chain(fits, with_unit_normal(formulation) is not None)
+        chain: list[Solver] = [Stagewise()] if fits else []
+        if with_unit_normal(formulation) is not None:
+            chain.append(Fatrop(time_limit=FATROP_SECONDS))
+        first, *others = [*chain, resolve_solver(None)]
         return first, tuple(others)
     chosen = resolve_solver(solver)
     if isinstance(chosen, Stagewise) and not fits:
@@ -147,12 +150,3 @@ def solvers_for(
             Problem("solver", f"{sentence}; choose ipopt, or a single-track vehicle with a line formulation")
         )
     return chosen, ()
-
-
-@cache
-def _chain(fits: bool, has_lines: bool) -> tuple[Solver, ...]:
-    """Solvers are values, too."""
-    chain: list[Solver] = [Stagewise()] if fits else []
-    if has_lines:
-        chain.append(Fatrop(time_limit=FATROP_SECONDS))
-    return *chain, resolve_solver(None)

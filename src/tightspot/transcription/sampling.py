@@ -36,7 +36,7 @@ def _interpolated(t: Array, knots: Array, values: Array) -> Array:
 
 def times_on(guess: Trajectory, grid: TimeGrid) -> Array:
     """The grid's knots over the guess's horizon, s, (N + 1,)."""
-    t = guess.t[0] + guess.duration * grid.fractions
+    t: Array = guess.t[0] + guess.duration * grid.fractions
     t[-1] = guess.t[-1]
     return t
 
