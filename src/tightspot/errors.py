@@ -8,7 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from numbers import Integral, Real
+from typing import Any, TypeGuard
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """True for real numbers of Python and NumPy; ``True`` and ``False`` are none, nor is text."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def is_whole(value: object) -> TypeGuard[int]:
+    """True for integers of Python and NumPy, but not for ``True`` and ``False``."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def shown(value: object) -> str:
+    """For a sentence: a number as such, anything else as it would be typed."""
+    return str(value) if is_number(value) else repr(value)
 
 
 class TightspotError(Exception):

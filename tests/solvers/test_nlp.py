@@ -84,8 +84,8 @@ def test_what_does_not_fit_is_refused(changes, words):
 @pytest.mark.parametrize("backend", BACKENDS.values(), ids=lambda backend: backend.name)
 @pytest.mark.parametrize(
     ("name", "value"),
-    [(name, value) for name in ("tolerance", "time_limit") for value in (0, -1.0, np.nan, np.inf, None, "1")]
-    + [("max_iterations", value) for value in (-1, 1.5, None, "3", 10**12)],
+    [(name, value) for name in ("tolerance", "time_limit") for value in (0, -1.0, np.nan, np.inf, None, "1", True)]
+    + [("max_iterations", value) for value in (-1, 1.5, None, "3", True, 10**12)],
 )
 def test_limits_that_make_no_sense_are_named(backend, name, value):
     with pytest.raises(InputError, match=rf"solver\.{name}: "):

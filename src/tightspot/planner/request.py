@@ -6,9 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import numpy as np
-
-from tightspot.errors import InputError, Problem
+from tightspot.errors import InputError, Problem, is_number, is_whole, shown
 from tightspot.formulations import Formulation, SweptLine, formulation, with_unit_normal
 from tightspot.guesses import Guess, HybridAStar, guess
 from tightspot.scenarios import Scenario, check, load
@@ -67,14 +65,14 @@ def resolve(
     car = resolve_vehicle(scene, vehicle)
     margin = scene.margin if margin is None else margin
     problems = []
-    if not (np.isfinite(margin) and 0 <= margin <= LARGEST_MARGIN):
-        problems.append(Problem("margin", f"{margin} m must lie between 0 and {LARGEST_MARGIN:g} m"))
-    if steps is not None and not (isinstance(steps, (int, np.integer)) and 2 <= steps <= MOST_STEPS):
-        problems.append(Problem("steps", f"{steps} must be a whole number and lie between 2 and {MOST_STEPS}"))
-    if not isinstance(refinements, (int, np.integer)) or refinements < 0:
-        problems.append(Problem("refinements", f"{refinements} must be a whole number and not be negative"))
-    if not time_limit > 0:
-        problems.append(Problem("time_limit", f"{time_limit} s must be positive"))
+    if not (is_number(margin) and 0 <= margin <= LARGEST_MARGIN):
+        problems.append(Problem("margin", f"{shown(margin)} m must be a number between 0 and {LARGEST_MARGIN:g} m"))
+    if steps is not None and not (is_whole(steps) and 2 <= steps <= MOST_STEPS):
+        problems.append(Problem("steps", f"{shown(steps)} must be a whole number and lie between 2 and {MOST_STEPS}"))
+    if not (is_whole(refinements) and refinements >= 0):
+        problems.append(Problem("refinements", f"{shown(refinements)} must be a whole number and not be negative"))
+    if not (is_number(time_limit) and time_limit > 0):
+        problems.append(Problem("time_limit", f"{shown(time_limit)} s must be a positive number"))
     if problems:
         raise InputError(problems)
     member = formulation(formulation_) if isinstance(formulation_, str) else formulation_ or SweptLine()

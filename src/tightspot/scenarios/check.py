@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.errors import BlockedError, Problem, SceneError
+from tightspot.errors import BlockedError, Problem, SceneError, is_number, shown
 from tightspot.problems import shortened
 from tightspot.scenarios.blocked import Blocked, blocked
 from tightspot.scenarios.remedies import SLACK
@@ -34,8 +34,8 @@ def check(scenario: Scenario, vehicle: VehicleModel, margin: float) -> None:
             vehicle's limits.
         SceneError: If only the vehicle's limits or the margin are in the way.
     """
-    if not (np.isfinite(margin) and margin >= 0):
-        raise SceneError(Problem("margin", f"{margin} m must be a finite clearance of 0 m or more"))
+    if not (is_number(margin) and 0 <= margin < np.inf):
+        raise SceneError(Problem("margin", f"{shown(margin)} m must be a finite clearance of 0 m or more"))
     problems: list[Problem] = []
     ends: list[Blocked] = []
     for end in ENDS:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.errors import Problem
+from tightspot.errors import Problem, is_number, is_whole, shown
 from tightspot.solvers.nlp import Nlp
 
 Array = NDArray[np.float64]
@@ -154,12 +154,12 @@ def limit_problems(solver: Solver) -> list[Problem]:
     problems = []
     for name in ("tolerance", "time_limit"):
         value = getattr(solver, name)
-        if not isinstance(value, (int, float, np.floating, np.integer)) or not 0 < value < np.inf:
-            problems.append(Problem(f"solver.{name}", f"{value!r} must be positive and finite"))
+        if not (is_number(value) and 0 < value < np.inf):
+            problems.append(Problem(f"solver.{name}", f"{shown(value)} must be positive and finite"))
     most = solver.max_iterations
-    if not isinstance(most, (int, np.integer)) or not 0 <= most <= MOST:
+    if not (is_whole(most) and 0 <= most <= MOST):
         problems.append(
-            Problem("solver.max_iterations", f"{most!r} must be a whole number, not negative, at most {MOST}")
+            Problem("solver.max_iterations", f"{shown(most)} must be a whole number, not negative, at most {MOST}")
         )
     return problems
 

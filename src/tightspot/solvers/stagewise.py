@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.errors import BuildError, InputError, Problem
+from tightspot.errors import BuildError, InputError, Problem, is_number, shown
 from tightspot.solvers import knots_first
 from tightspot.solvers.base import (
     Array,
@@ -227,8 +227,8 @@ class Stagewise(Solver):
         problems = limit_problems(self)
         for name in ("initial_barrier", "slack_push"):
             value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0):
-                problems.append(Problem(f"solver.{name}", f"{value} must be positive and finite"))
+            if value is not None and not (is_number(value) and 0 < value < np.inf):
+                problems.append(Problem(f"solver.{name}", f"{shown(value)} must be positive and finite"))
         if problems:
             raise InputError(problems)
 

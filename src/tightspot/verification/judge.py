@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.errors import InputError, Problem
+from tightspot.errors import InputError, Problem, is_number, shown
 from tightspot.scenarios import Scenario
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import VehicleModel
@@ -85,8 +85,8 @@ def verify(
             length.
     """
     settings = settings or JudgeSettings()
-    if not (np.isfinite(margin) and margin >= 0):
-        raise InputError(Problem("margin", f"{margin} m must be a finite length, 0 or more"))
+    if not (is_number(margin) and 0 <= margin < np.inf):
+        raise InputError(Problem("margin", f"{shown(margin)} m must be a finite length, 0 or more"))
     scenario, trajectory = file_exact(scenario, trajectory)
     played = replay(vehicle, trajectory, tolerance=settings.tolerance, in_core=settings.in_core, known=known)
     names, polygons = scenario.part_names, scenario.obstacle_polygons

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tightspot.errors import InputError, Problem
+from tightspot.errors import InputError, Problem, is_number, shown
 from tightspot.scenarios import Scenario
 from tightspot.scenarios.labels import labels
 from tightspot.vehicles import SingleTrack, VehicleModel
@@ -187,8 +187,8 @@ def judge_table(
         InputError: The margin is no length, the vehicle is no single-track model, or headings are missing and cannot
             be told from the positions.
     """
-    if not (np.isfinite(margin) and margin >= 0):
-        raise InputError(Problem("margin", f"{margin} m must be a finite length, 0 or more"))
+    if not (is_number(margin) and 0 <= margin < np.inf):
+        raise InputError(Problem("margin", f"{shown(margin)} m must be a finite length, 0 or more"))
     if not isinstance(vehicle, SingleTrack):
         raise InputError(Problem("vehicle", "tables are judged for single-track vehicles only"))
     tolerances = tolerances or Tolerances()
