@@ -32,8 +32,9 @@ from tightspot.campaigns.speed.cases import (
 from tightspot.campaigns.speed.scaling import crowded, rounded
 from tightspot.guesses import HybridAStar
 from tightspot.scenarios import Obstacle
+from tightspot.solvers.stage_core import core_solver
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import Stagewise, core_solver
+from tightspot.solvers.stagewise import Stagewise
 from tightspot.transcription import TimeGrid, stage_problem
 from tightspot.vehicles import VehicleModel
 

@@ -18,8 +18,9 @@ from benchmarks.report import table, tell
 from tightspot.formulations import Formulation, SweptLine, UnitNormalLine
 from tightspot.guesses import HybridAStar
 from tightspot.scenarios.library import builtin
+from tightspot.solvers.stage_core import core_solver
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import Stagewise, core_solver
+from tightspot.solvers.stagewise import Stagewise
 from tightspot.transcription import ObstacleMotion, Settings, TimeGrid, stage_problem
 from tightspot.vehicles import vehicle
 

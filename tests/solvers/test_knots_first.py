@@ -8,7 +8,7 @@ from tests.solvers.test_stagewise import case, kkt_residuals
 
 from tightspot.formulations import SeparatingLine, SoftSweptUnitNormalLine, SweptLine
 from tightspot.solvers import SolveStatus, Stagewise, knots_first, solve_many
-from tightspot.solvers.stagewise import core_solver
+from tightspot.solvers.stage_core import core_solver
 from tightspot.transcription import transcribe
 from tightspot.transcription.stage_problem import stage_problem
 

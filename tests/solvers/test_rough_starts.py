@@ -12,7 +12,7 @@ from tightspot.scenarios import Obstacle
 from tightspot.scenarios.library import builtin
 from tightspot.solvers import SolveStatus, Stagewise
 from tightspot.solvers.rough_starts import bent, can_start_again, gentle, rolling, ways, without_pairs
-from tightspot.solvers.stagewise import with_states
+from tightspot.solvers.stage_lines import with_states
 from tightspot.transcription import Objective, Settings, TimeGrid, stage_problem
 from tightspot.vehicles import vehicle
 

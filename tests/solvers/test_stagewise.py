@@ -16,7 +16,8 @@ from tightspot.guesses import HybridAStar
 from tightspot.scenarios import check
 from tightspot.scenarios.library import builtin
 from tightspot.solvers import Ipopt
-from tightspot.solvers.stagewise import Stagewise, core_solver
+from tightspot.solvers.stage_core import core_solver
+from tightspot.solvers.stagewise import Stagewise
 from tightspot.transcription import Objective, Settings, TimeGrid, transcribe
 from tightspot.transcription.stage_problem import stage_problem
 from tightspot.vehicles import vehicle

@@ -13,7 +13,8 @@ from tightspot.formulations import SweptUnitNormalLine, UnitNormalLine
 from tightspot.geometry import ConvexPolygon, clearance, transform
 from tightspot.guesses import LinearInterpolation
 from tightspot.scenarios import Obstacle, Scenario
-from tightspot.solvers.stagewise import Stagewise, core_solver
+from tightspot.solvers.stage_core import core_solver
+from tightspot.solvers.stagewise import Stagewise
 from tightspot.transcription import Settings, TimeGrid
 from tightspot.transcription.stage_problem import stage_problem
 from tightspot.vehicles import vehicle

@@ -11,7 +11,7 @@ from tightspot.formulations import SeparatingLine, SweptLine, SweptUnitNormalLin
 from tightspot.geometry import ConvexPolygon
 from tightspot.geometry.transforms import transform, wrap_angle
 from tightspot.guesses import LinearInterpolation
-from tightspot.solvers.stagewise import core_solver
+from tightspot.solvers.stage_core import core_solver
 from tightspot.transcription import (
     MovingObstacle,
     ObstacleMotion,

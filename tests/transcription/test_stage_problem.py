@@ -17,8 +17,8 @@ from tightspot.formulations import (
 from tightspot.geometry import ConvexPolygon
 from tightspot.guesses import LinearInterpolation
 from tightspot.scenarios import Obstacle, Scenario
+from tightspot.solvers.stage_core import core_solver
 from tightspot.solvers.stage_order import CorePoint, order_of
-from tightspot.solvers.stagewise import core_solver
 from tightspot.transcription import EnergyForm, Objective, Settings, TimeGrid, transcribe
 from tightspot.transcription.stage_problem import stage_problem
 from tightspot.vehicles import vehicle

@@ -12,7 +12,8 @@ from tightspot.planner.request import Request
 from tightspot.planner.rounds import Round, Step, problem_of, run_round
 from tightspot.planner.strategy import next_step
 from tightspot.solvers import IterationCallback, StagePoint, StageProblem, StageReport, Stagewise
-from tightspot.solvers.stagewise import WARM_ITERATIONS, core_solver
+from tightspot.solvers.stage_core import core_solver
+from tightspot.solvers.stagewise import WARM_ITERATIONS
 from tightspot.transcription import carry_lines, moved_ends
 
 MOST_ROUNDS = 3

@@ -7,7 +7,8 @@ from tightspot.solvers.ipopt import Ipopt
 from tightspot.solvers.nlp import Nlp, RowBlock, Stage
 from tightspot.solvers.sqp import Sqp
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import StagePoint, StageReport, Stagewise
+from tightspot.solvers.stage_report import StagePoint, StageReport
+from tightspot.solvers.stagewise import Stagewise
 
 SOLVERS: dict[str, type[Solver]] = {Ipopt.name: Ipopt, Fatrop.name: Fatrop, Sqp.name: Sqp}
 """Backends that solve any :class:`Nlp`, by the name used at the edges (command line, files)."""

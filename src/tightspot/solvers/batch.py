@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import StageReport, Stagewise
+from tightspot.solvers.stage_report import StageReport
+from tightspot.solvers.stagewise import Stagewise
 
 
 def solve_many(

@@ -16,8 +16,9 @@ import numpy as np
 
 from tightspot.solvers.base import SolveStatus
 from tightspot.solvers.rough_starts import Way, can_start_again, effort, ways
+from tightspot.solvers.stage_lines import with_states
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import Attempt, StageReport, with_states
+from tightspot.solvers.stage_report import Attempt, StageReport
 
 MOST_ITERATIONS = 150
 """Of each solve from another start than the given one."""

@@ -14,7 +14,8 @@ from tightspot.scenarios.scenario import Scenario
 from tightspot.solvers.base import Solver, SolveReport, WarmStart
 from tightspot.solvers.ipopt import Ipopt
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import StageReport, Stagewise
+from tightspot.solvers.stage_report import StageReport
+from tightspot.solvers.stagewise import Stagewise
 from tightspot.trajectory import Trajectory
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.motions import MovingObstacle, ObstacleMotion

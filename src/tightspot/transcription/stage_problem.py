@@ -20,8 +20,8 @@ from tightspot.formulations import (
 from tightspot.geometry.stack import PolygonStack
 from tightspot.geometry.transforms import nearest_angle
 from tightspot.scenarios.scenario import Scenario
+from tightspot.solvers.stage_lines import start_lines
 from tightspot.solvers.stage_problem import LineForm, StageProblem
-from tightspot.solvers.stagewise import start_lines
 from tightspot.trajectory import Trajectory
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.motions import ObstacleMotion

@@ -10,7 +10,7 @@ from tightspot.scenarios.scenario import Scenario
 from tightspot.solvers.base import SolveReport, WarmStart
 from tightspot.solvers.nlp import Nlp, RowBlock
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import StageReport
+from tightspot.solvers.stage_report import StageReport
 from tightspot.transcription.grid import TimeGrid
 from tightspot.transcription.transcribe import Transcription
 

@@ -32,8 +32,8 @@ from tightspot.planner import plan
 from tightspot.scenarios import Obstacle, Scenario
 from tightspot.scenarios.library import builtin
 from tightspot.solvers import Stagewise
+from tightspot.solvers.stage_core import core_solver
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import core_solver
 from tightspot.transcription import TimeGrid, stage_problem, transcribe
 
 REPEATS = 5

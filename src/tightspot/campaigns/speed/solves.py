@@ -15,7 +15,8 @@ from tightspot.planner.optima import find_optima
 from tightspot.solvers import Stagewise
 from tightspot.solvers.functions import complementarity, lagrangian_gradient, values
 from tightspot.solvers.nlp import Nlp
-from tightspot.solvers.stagewise import StageReport, core_solver
+from tightspot.solvers.stage_core import core_solver
+from tightspot.solvers.stage_report import StageReport
 from tightspot.transcription import TimeGrid, stage_problem, transcribe
 
 REPEATS = 5

@@ -35,8 +35,8 @@ from tightspot.guesses import HybridAStar
 from tightspot.planner import Planner, plan
 from tightspot.scenarios import Scenario, check
 from tightspot.solvers import StageReport, Stagewise, solve_many
+from tightspot.solvers.stage_core import core_solver
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stagewise import core_solver
 from tightspot.transcription import TimeGrid, moved_ends, stage_problem, transcribe
 
 MOVED = np.array([0.10, np.deg2rad(2.0)])
