@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tightspot
-from tightspot.errors import VehicleError
+from tightspot.errors import InputError, PlanFileError, VehicleError
 from tightspot.geometry import clearance, transform
 from tightspot.scenarios.library import builtin
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles import SingleTrack, VehicleModel, vehicle
-from tightspot.verification import check_certificate, replay, verify
+from tightspot.verification import check_certificate, replay, save_plan, verify
 from tightspot.verification.lemma import Lemma
 
 DRAG = 0.02
@@ -116,3 +116,22 @@ def test_a_certified_plan_is_free_when_another_library_drives_it():
     assert np.abs(states[-1, :2] - plan.scenario.goal[:2]).max() < plan.scenario.tolerance.position
     assert min(clearance(body, part.vertices).min() for _, part in plan.scenario.obstacle_parts) >= 0.02 - 1e-4
     assert check_certificate(plan.scenario, mine, plan.trajectory, plan.certificate).ok
+
+
+def test_a_plan_of_another_motion_is_not_written_as_one_of_a_single_track(tmp_path):
+    plan = tightspot.plan("oblique", vehicle=car(Stated), margin=0.02)
+    with pytest.raises(PlanFileError, match="vehicle: class Stated has a motion of its own"):
+        save_plan(plan, tmp_path / "plan.json")
+    assert not list(tmp_path.iterdir())
+
+
+class Towing(Dragging, SingleTrack):
+    """One more state than scenes speak of."""
+
+    state_names = (*SingleTrack.state_names, "theta1")
+    state_units = (*SingleTrack.state_units, "rad")
+
+
+def test_a_model_of_other_states_than_a_scene_s_is_told_apart():
+    with pytest.raises(InputError, match=r"vehicle: model Towing has the 6 states .*theta1.* choose a model with 5"):
+        tightspot.plan("vertical", vehicle=car(Towing))

@@ -10,6 +10,7 @@ from tightspot.errors import InputError, Problem, is_number, is_whole, shown
 from tightspot.formulations import Formulation, SweptLine, formulation, with_unit_normal
 from tightspot.guesses import Guess, HybridAStar, guess
 from tightspot.scenarios import Scenario, check, load
+from tightspot.scenarios.states import STATE
 from tightspot.solvers import BACKENDS, Fatrop, Ipopt, Solver, Stagewise
 from tightspot.transcription import Objective, fits_stages
 from tightspot.vehicles import CATALOGUE, SingleTrack, VehicleModel, from_dict, load_vehicle
@@ -73,6 +74,10 @@ def resolve(
         problems.append(Problem("refinements", f"{shown(refinements)} must be a whole number and not be negative"))
     if not (is_number(time_limit) and time_limit > 0):
         problems.append(Problem("time_limit", f"{shown(time_limit)} s must be a positive number"))
+    if len(car.state_names) != len(STATE):
+        states = f"model {type(car).__name__} has the {len(car.state_names)} states ({', '.join(car.state_names)})"
+        wanted = f"but a scene gives start and goal as ({', '.join(STATE)}): choose a model with {len(STATE)} states"
+        problems.append(Problem("vehicle", f"{states}, {wanted}; motions of others can be judged, not planned"))
     if problems:
         raise InputError(problems)
     member = formulation(formulation_) if isinstance(formulation_, str) else formulation_ or SweptLine()

@@ -17,7 +17,7 @@ from tightspot.errors import InputError, PlanFileError, Problem
 from tightspot.files import atomic_write
 from tightspot.scenarios import Scenario
 from tightspot.trajectory import Trajectory
-from tightspot.vehicles import VehicleModel
+from tightspot.vehicles import SingleTrack, VehicleModel
 from tightspot.verification.certificate import Certificate
 from tightspot.verification.certificate_file import problem_of
 from tightspot.verification.checker import CheckResult, check_certificate
@@ -168,9 +168,16 @@ def save_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan file, completely or not at all.
 
     Raises:
-        PlanFileError: The report holds something that JSON cannot.
+        PlanFileError: The report holds something that JSON cannot, or the vehicle's class moves otherwise than the
+            single-track model that the file would name.
         OSError: The file cannot be written.
     """
+    vehicle = plan.vehicle
+    if isinstance(vehicle, SingleTrack) and not vehicle.moves_as_stated:
+        sentence = (
+            f"class {type(vehicle).__name__} has a motion of its own, but a file holds single-track vehicles only"
+        )
+        raise PlanFileError(Problem("vehicle", f"{sentence}; write the trajectory as a table (write_trajectory_csv)"))
     try:
         lines = [f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}" for key, value in plan.to_dict().items()]
     except (TypeError, ValueError, RecursionError) as error:
