@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -15,6 +16,7 @@ from tightspot.formulations import SeparatingLine
 from tightspot.guesses import HybridAStar
 from tightspot.planner import plan
 from tightspot.scenarios import Scenario
+from tightspot.trajectory import Trajectory
 from tightspot.transcription import Settings, TimeGrid, transcribe
 from tightspot.verification import Plan
 
@@ -29,20 +31,36 @@ SUBSTEPS = 2
 def compare_plans(scene: str, count: int, seed: int, tell: Callable[[str], None]) -> list[dict[str, Any]]:
     """One case a start: seconds of the plan and its parts, and of the paper's method.
 
-    All plans are made before the paper's method begins, after one that does not count: a process that plans has the
-    planner in the processor's caches, not what CasADi needs to build a program.
+    All plans and searches are made before IPOPT begins, after a plan that does not count: a process that plans has the
+    planner in the processor's caches, not what CasADi needs to build a program; and what was left in memory before is
+    not looked through for garbage meanwhile.
     """
     scenarios = list(scenes_about(scene, count, seed, MARGIN))
     timed_plan(scenarios[0])
     cases = []
-    for number, scenario in enumerate(scenarios):
-        tell(f"plan {scene}, start {number + 1} of {count}")
-        cases.append(timed_plan(scenario))
-    for number, (scenario, (case, found)) in enumerate(zip(scenarios, cases, strict=True)):
-        tell(f"the paper's method on the plan's mesh, {scene}, start {number + 1} of {count}")
+    gc.collect()
+    gc.freeze()
+    try:
+        for number, scenario in enumerate(scenarios):
+            tell(f"plan {scene}, start {number + 1} of {count}")
+            cases.append(timed_plan(scenario))
+        searches = [timed_search(scenario) for scenario in scenarios]
+    finally:
+        gc.unfreeze()
+    for number, (case, found) in enumerate(cases):
+        tell(f"IPOPT on the plan's mesh, {scene}, start {number + 1} of {count}")
         if found is not None:
-            case |= _by_the_paper(scenario, found)
+            seconds, guess = searches[number]
+            case |= {"search_seconds": seconds, **_by_the_paper(scenarios[number], found, guess)}
     return [case for case, _ in cases]
+
+
+def timed_search(scenario: Scenario) -> tuple[float, Trajectory | None]:
+    """Hybrid A* by itself, as the paper's method begins."""
+    vehicle = car()
+    began = time.thread_time()
+    guess = HybridAStar().make(scenario, vehicle, margin=scenario.margin).trajectory
+    return time.thread_time() - began, guess
 
 
 def timed_plan(scenario: Scenario) -> tuple[dict[str, Any], Plan | None]:
@@ -75,23 +93,18 @@ def _parts(found: Plan, seconds: float) -> dict[str, Any]:
     }
 
 
-def _by_the_paper(scenario: Scenario, found: Plan) -> dict[str, Any]:
-    """Hybrid A* and IPOPT (17) at the plan's knots; building the program is told, but does not count."""
-    vehicle, margin = car(), found.certificate.margin
-    began = time.thread_time()
-    guess = HybridAStar().make(scenario, vehicle, margin=margin).trajectory
-    search = time.thread_time() - began
+def _by_the_paper(scenario: Scenario, found: Plan, guess: Trajectory | None) -> dict[str, Any]:
+    """IPOPT (17) at the plan's knots from hybrid A*'s guess; building the program is told, but does not count."""
     assert guess is not None
     t = found.trajectory.t
     fractions = (t - t[0]) / (t[-1] - t[0])
     fractions[-1] = 1.0
-    settings = Settings(formulation=SeparatingLine(), margin=margin, substeps=SUBSTEPS)
+    settings = Settings(formulation=SeparatingLine(), margin=found.certificate.margin, substeps=SUBSTEPS)
     began = time.thread_time()
-    nlp = transcribe(scenario, vehicle, guess, settings, grid=TimeGrid(fractions)).nlp
+    nlp = transcribe(scenario, car(), guess, settings, grid=TimeGrid(fractions)).nlp
     transcribed = time.thread_time() - began
     theirs, seconds = by_the_paper(nlp)
     return {
-        "search_seconds": search,
         "ipopt_seconds": seconds,
         "ipopt_set_up_seconds": transcribed + theirs.timings["build"],
         "ipopt_success": theirs.status.success,
