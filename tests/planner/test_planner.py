@@ -116,7 +116,7 @@ def test_an_uncertified_warm_plan_is_made_anew(monkeypatch):
     first = planner.plan()
 
     def fails(request, last, *_, **__):
-        return [replace(last, certificate=None)]
+        return [replace(last, verdict=None)]
 
     monkeypatch.setattr("tightspot.planner.planner.warm_rounds", fails)
     plan = planner.plan(start=first.scenario.start + SHIFT)

@@ -63,6 +63,10 @@ def test_a_guess_is_first_made_free_at_the_knots() -> None:
     assert at_knots(SweptLine()) == SeparatingLine()
 
 
+def room_of(asked: Request, trajectory: Trajectory) -> Room:
+    return Room.of_replay(replay(asked.vehicle, trajectory), asked.scenario, asked.vehicle)
+
+
 def test_refine_splits_exactly_the_intervals_that_are_too_near() -> None:
     asked = request()
     trajectory = straight(asked)
@@ -70,14 +74,14 @@ def test_refine_splits_exactly_the_intervals_that_are_too_near() -> None:
     only_space = tuple(check for check in judged.checks if check.name in ("obstacles", "workspace"))
     judged = replace(judged, checks=only_space)
     old = replace(mesh(13), grid=TimeGrid(trajectory.t / trajectory.t[-1]))
-    new = refine(asked, old, replay(asked.vehicle, trajectory), judged, 1)
+    new = refine(asked, old, room_of(asked, trajectory), judged, 1)
     nose = trajectory.column("x") + 3.699
     outside = nose[1:] > 15.0
     assert new.grid.steps == 13 + outside.sum()
     kept = np.isin(np.round(old.grid.fractions, 12), np.round(new.grid.fractions, 12))
     assert kept.all(), "old knots stay knots"
     assert new.extra == old.extra, "the margin grows later only"
-    assert refine(asked, old, replay(asked.vehicle, trajectory), judged, 4).extra > old.extra
+    assert refine(asked, old, room_of(asked, trajectory), judged, 4).extra > old.extra
     assert len(new.poses) == new.grid.steps
     assert new.active.shape == (new.grid.steps, 1, 2)
 
@@ -88,7 +92,7 @@ def test_an_objection_other_than_clearance_splits_everything() -> None:
     judged = verify(asked.scenario, asked.vehicle, trajectory, margin=asked.margin)
     assert any(check.name.startswith("goal") for check in judged.failed)
     old = replace(mesh(13), grid=TimeGrid(trajectory.t / trajectory.t[-1]))
-    assert refine(asked, old, replay(asked.vehicle, trajectory), judged, 1).grid.steps == 26
+    assert refine(asked, old, room_of(asked, trajectory), judged, 1).grid.steps == 26
 
 
 def failed(asked: Request, step: Step) -> Round:

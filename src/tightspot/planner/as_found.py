@@ -62,7 +62,7 @@ def driven_as_found(request: Request, found: GuessResult) -> Round | None:
     timings = {"set_up": 0.0, "solve": 0.0, "judge": time.perf_counter() - began}
     step = Step(mesh, start, "as found", f"no solver got further; {NOTE}")
     report = NotSolved.of(request.objective.value(trajectory.t, trajectory.inputs))
-    return Round(step, program, report, (), trajectory, motion, certificate, timings)
+    return Round(step, program, report, (), trajectory, motion, certificate, None, "", timings)
 
 
 class NotSolved(SolveReport):

@@ -12,6 +12,7 @@ from tightspot.trajectory import Trajectory
 from tightspot.transcription import TimeGrid
 from tightspot.transcription.sampling import states_at
 from tightspot.vehicles.base import VehicleModel
+from tightspot.verification.certificate import metres
 from tightspot.verification.replay import Replay
 from tightspot.verification.sampled import nearness
 
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 
 GUESS_SAMPLES = 4
 REPLAY_SAMPLES = 12
+SURE = 1e-5
+"""More than rounding and the integration's error make of a distance, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +70,23 @@ class Room:
         To obstacles the ``margin`` is demanded, to W's boundary nothing.
         """
         return np.asarray(np.minimum(self.by_obstacles - margin, self.walls.min(axis=(1, 2), initial=np.inf)))
+
+    def objection(self, t: Array, margin: float, scenario: Scenario, vehicle: VehicleModel) -> str:
+        """What is nearer than it may be at some sample, with the interval between the knots ``t``; empty if nothing is.
+
+        What the judge proves of all times it has to prove of these, too.
+        """
+        nearest, inside = self.clearances.min(initial=np.inf), self.walls.min(initial=np.inf)
+        if nearest < margin - SURE:
+            k, part, n = np.unravel_index(self.clearances.argmin(), self.clearances.shape)
+            what = f"is only {metres(nearest)} m from" if nearest >= 0 else f"overlaps by {metres(-nearest)} m"
+            there = f"{what} {scenario.part_names[self.near[n]]}"
+        elif inside < -SURE:
+            k, part, _ = np.unravel_index(self.walls.argmin(), self.walls.shape)
+            there = f"leaves the workspace by {metres(-inside)} m"
+        else:
+            return ""
+        return f"{vehicle.parts[part].name} {there} between t = {t[k]:.3f} s and {t[k + 1]:.3f} s"
 
     @classmethod
     def of_guess(cls, guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel) -> Room:

@@ -156,9 +156,9 @@ class Planner:
         until = started + request.time_limit
         rounds = warm_rounds(request, last, self._core, self._tell, until)
         final = rounds[-1]
-        if final.certificate is None:
+        if not final.solved:
             return f"from the last plan the solver failed ({final.report.status.sentence})"
-        if not final.certificate.certified:
+        if not final.certified:
             return "what came of the last plan was not certified"
         return self._finished(request, rounds, changes, started), request, final
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.formulations import Formulation, with_unit_normal
+from tightspot.planner.pairs import Room
 from tightspot.planner.progress import Progress, ProgressCallback, iterations_told
 from tightspot.planner.request import Request
 from tightspot.solvers import (
@@ -38,6 +39,8 @@ from tightspot.verification import Certificate, verify
 from tightspot.verification.replay import Replay, replay
 
 FEASIBLE = 1e-5
+LOOSE = 1e-2
+"""Tolerance of steps that are to be gone on from: what the next one changes is more."""
 WARM_BARRIER = 1e-3
 """Small enough not to push a solution on a coarser mesh over into another valley."""
 BETWEEN_BARRIER, BETWEEN_SLACK = 3e-3, 0.1
@@ -86,6 +89,7 @@ class Step:
         kind: What the planner is trying, one word for itself.
         reason: The same for people.
         before: The round whose lines and multipliers are carried over; ``None``: closed-form lines, no multipliers.
+        loose: Only a start for the next step: solved to a few digits, and not certified.
     """
 
     mesh: Mesh
@@ -93,6 +97,7 @@ class Step:
     kind: str
     reason: str
     before: Round | None = None
+    loose: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +112,9 @@ class Round:
         abandoned: Reports of the solvers that failed before.
         trajectory: The replayed trajectory: the inputs integrated from the start, sampled at the knots.
         replay: The continuous motion; ``None`` if the solve failed.
-        certificate: The judge's word; ``None`` if the solve failed.
+        verdict: The judge's word, or what asks the judge; ``None`` if the solve failed.
+        room: How near the motion comes to everything, if that was looked at.
+        objection: What was seen there that no judge certifies; empty if nothing was.
         timings: Seconds of ``set_up`` (program and its derivatives), ``solve`` and ``judge``.
     """
 
@@ -117,7 +124,9 @@ class Round:
     abandoned: tuple[SolveReport, ...]
     trajectory: Trajectory
     replay: Replay | None
-    certificate: Certificate | None
+    verdict: Certificate | Callable[[], Certificate] | None
+    room: Room | None
+    objection: str
     timings: dict[str, float]
 
     @property
@@ -138,11 +147,31 @@ class Round:
     @property
     def solved(self) -> bool:
         """True if the last iterate satisfies the constraints, so that it could be judged."""
-        return self.certificate is not None
+        return self.verdict is not None
+
+    @cached_property
+    def certificate(self) -> Certificate | None:
+        """The judge's word, who is asked now if there was no need to before; ``None`` if the solve failed."""
+        return self.verdict() if callable(self.verdict) else self.verdict
+
+    @property
+    def certified(self) -> bool:
+        """Whether this is a plan."""
+        if self.objection or self.step.loose:
+            return False
+        return self.certificate is not None and self.certificate.certified
+
+    def _finding(self) -> dict[str, Any]:
+        """What came of it; the judge is not asked where there is no need to."""
+        if self.room is not None and not self.certified:
+            return {"certified": False, "clearance": self.room.deepest, "witness": self.objection or None}
+        judged = self.certificate
+        clearance = judged.clearance if judged and np.isfinite(judged.clearance) else None
+        witness = str(judged.witness) if judged and judged.witness else None
+        return {"certified": self.certified, "clearance": clearance, "witness": witness}
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for the report."""
-        judged = self.certificate
         return {
             "reason": self.step.reason,
             "formulation": self.mesh.formulation.name,
@@ -155,9 +184,7 @@ class Round:
             "warm": self.step.before is not None,
             "solve": self.report.to_dict(),
             "fell_back_from": [report.to_dict() for report in self.abandoned],
-            "certified": bool(judged.certified) if judged else False,
-            "clearance": judged.clearance if judged and np.isfinite(judged.clearance) else None,
-            "witness": str(judged.witness) if judged and judged.witness else None,
+            **self._finding(),
             "seconds": self.seconds,
             "timings": self.timings,
         }
@@ -226,6 +253,8 @@ def _solved(
 ) -> SolveReport:
     """By the stagewise solver from arrays, by others from the nonlinear program, each with what can be carried over."""
     before = step.before
+    if step.loose and isinstance(solver, Stagewise):
+        solver = replace(solver, tolerance=max(solver.tolerance, LOOSE))
     if not isinstance(solver, Stagewise):
         warm = carry_over(before.transcription, before.report, program()) if before else None
         return solver.solve(program().nlp, warm=warm, callback=watch)
@@ -265,16 +294,21 @@ def _judged(
     timings: dict[str, float],
 ) -> Round:
     started = time.perf_counter()
+    scenario, vehicle, margin = request.scenario, request.vehicle, request.margin
     trajectory = _trajectory(request, step, program, report)
-    motion = certificate = None
-    if report.violation <= FEASIBLE and np.isfinite(report.objective):
+    motion, verdict, room, objection = None, None, None, ""
+    if report.violation <= (LOOSE if step.loose else FEASIBLE) and np.isfinite(report.objective):
         progress(Progress("verify", "replaying the inputs and covering all times", number))
-        motion = replay(request.vehicle, trajectory)
+        motion = replay(vehicle, trajectory)
         names = trajectory.state_names, trajectory.input_names
         trajectory = Trajectory(trajectory.t, _within_bounds(motion.knots, request), trajectory.inputs, *names)
-        certificate = verify(request.scenario, request.vehicle, trajectory, margin=request.margin, known=motion)
+        if step.mesh.formulation != request.formulation:
+            room = Room.of_replay(motion, scenario, vehicle)
+            objection = room.objection(trajectory.t, margin, scenario, vehicle)
+        judge = partial(verify, scenario, vehicle, trajectory, margin=margin, known=motion)
+        verdict = judge if objection or step.loose else judge()
     timings = timings | {"judge": time.perf_counter() - started}
-    return Round(step, program, report, abandoned, trajectory, motion, certificate, timings)
+    return Round(step, program, report, abandoned, trajectory, motion, verdict, room, objection, timings)
 
 
 def _trajectory(request: Request, step: Step, program: Callable[[], Transcription], report: SolveReport) -> Trajectory:

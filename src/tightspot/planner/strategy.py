@@ -32,6 +32,8 @@ NEAR, DEEP, HOPELESS = 0.15, 0.1, 0.6
 AGAIN = 1
 ASTRAY = 3
 EXTRA = 0.002
+FIRST_EXTRA = 0.01
+"""At the knots, m, where the guess has it: then the motion between them often keeps the margin, too."""
 LARGEST_EXTRA = 0.1
 MOST_STEPS = 240
 FAILED_SOLVES = 4
@@ -48,19 +50,20 @@ def first_step(request: Request, guess: Trajectory) -> Step:
 def next_step(request: Request, rounds: Sequence[Round], guess: Trajectory) -> Step | None:
     """After a round that was not certified; ``None`` when there is nothing left to try."""
     last = rounds[-1]
-    if last.certificate is None or last.replay is None:
+    if last.replay is None:
         return _after_failure(request, rounds, guess)
-    room = Room.of_replay(last.replay, request.scenario, request.vehicle)
+    room = last.room or Room.of_replay(last.replay, request.scenario, request.vehicle)
     if _is_astray(last.mesh, room) and sum(outcome.step.kind == "pairs" for outcome in rounds) < ASTRAY:
         return _with_what_was_missing(request, last, room)
     if last.mesh.formulation == request.formulation:
-        mesh = refine(request, last.mesh, last.replay, last.certificate, len(rounds))
+        assert last.certificate is not None
+        mesh = refine(request, last.mesh, room, last.certificate, len(rounds))
         news = f"{mesh.grid.steps} intervals, {1000 * mesh.extra:.0f} mm beyond the margin"
         return Step(mesh, on_grid(last.replay, mesh.grid), "refine", news, last)
     if room.deepest < -HOPELESS and _failures(rounds, "guess") == 0:
         return _from_guess(request, rounds[0].mesh.grid.steps, guess, "the knots jump over an obstacle")
     if room.spare(request.margin).min() < -DEEP and sum(outcome.step.kind == "again" for outcome in rounds) < AGAIN:
-        return _again(request, last, last.replay, room)
+        return _again(request, last, last.replay, room, loose=len(rounds) < request.refinements)
     return between_the_knots(request, last, last.replay, room)
 
 
@@ -80,7 +83,9 @@ def _uniform(request: Request, formulation: Formulation, guess: Trajectory, step
     grid = TimeGrid.uniform(steps)
     room = Room.of_guess(guess, grid, request.scenario, request.vehicle)
     poses = (poses_for(formulation, guess, request.vehicle, steps),) * steps
-    return Mesh(formulation, grid, poses, EXTRA, _within_reach(request, room), np.ones_like(room.walls, bool))
+    roomy = formulation != request.formulation and room.spare(request.margin).min() >= FIRST_EXTRA
+    extra = FIRST_EXTRA if roomy else EXTRA
+    return Mesh(formulation, grid, poses, extra, _within_reach(request, room), np.ones_like(room.walls, bool))
 
 
 def between_the_knots(request: Request, last: Round, motion: Replay, room: Room) -> Step:
@@ -94,6 +99,7 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
     mesh = replace(
         last.mesh,
         formulation=request.formulation,
+        extra=min(last.mesh.extra, EXTRA),
         active=_near(request, room),
         walls=_walls_near(request, room),
     ).cut(pieces)
@@ -109,12 +115,12 @@ def between_the_knots(request: Request, last: Round, motion: Replay, room: Room)
     )
 
 
-def _again(request: Request, last: Round, motion: Replay, room: Room) -> Step:
+def _again(request: Request, last: Round, motion: Replay, room: Room, *, loose: bool) -> Step:
     """Once more at the knots, on a mesh that is finer where the motion collides: cheap, and a better start."""
     near = replace(last.mesh, active=last.mesh.active | _within_reach(request, room))
     mesh = near.cut(_pieces(room.spare(request.margin)))
     news = f"collides between the knots; {mesh.grid.steps} intervals"
-    return Step(mesh, on_grid(motion, mesh.grid), "again", news, last)
+    return Step(mesh, on_grid(motion, mesh.grid), "again", news, last, loose)
 
 
 def _is_astray(mesh: Mesh, room: Room) -> bool:
@@ -170,13 +176,12 @@ def _failures(rounds: Sequence[Round], kind: str, steps: int | None = None) -> i
     )
 
 
-def refine(request: Request, mesh: Mesh, motion: Replay, certificate: Certificate, number: int) -> Mesh:
+def refine(request: Request, mesh: Mesh, room: Room, certificate: Certificate, number: int) -> Mesh:
     """More intervals where the motion comes too near; from the fourth round on a larger margin, too.
 
     Pairs that the motion comes near to and that were not in the problem are added. If the judge objects to something
     else than clearance (the integration's defect on a coarse mesh), every interval is split.
     """
-    room = Room.of_replay(motion, request.scenario, request.vehicle)
     too_near = (room.by_obstacles < request.margin + mesh.extra / 2) | (room.walls < 0).any(axis=(1, 2))
     short = np.asarray(too_near, bool)
     if any(check.name not in ABOUT_CLEARANCE for check in certificate.failed):
