@@ -12,7 +12,7 @@ from tightspot.planner import plan, rounds
 from tightspot.planner.pairs import SURE, Room
 from tightspot.planner.request import Request, resolve
 from tightspot.planner.rounds import Round, Step, run_round
-from tightspot.planner.strategy import EXTRA, FIRST_EXTRA, first_step, next_step
+from tightspot.planner.strategy import ENOUGH, EXTRA, FIRST_EXTRA, first_step, next_step
 from tightspot.scenarios import builtin
 from tightspot.solvers import Stagewise
 from tightspot.trajectory import Trajectory
@@ -122,8 +122,8 @@ def test_the_last_round_that_is_allowed_is_not_a_loose_one() -> None:
 def test_more_is_demanded_at_the_knots_where_the_guess_has_it_and_only_there(name: str) -> None:
     asked, guess, step = begun(name)
     room = Room.of_guess(guess, step.mesh.grid, asked.scenario, asked.vehicle)
-    assert step.mesh.extra == (FIRST_EXTRA if room.spare(asked.margin).min() >= FIRST_EXTRA else EXTRA)
-    narrow = replace(asked, margin=asked.margin + max(float(room.spare(asked.margin).min()), 0.0) - FIRST_EXTRA / 2)
+    assert step.mesh.extra == (FIRST_EXTRA if room.spare(asked.margin).min() >= ENOUGH else EXTRA)
+    narrow = replace(asked, margin=asked.margin + max(float(room.spare(asked.margin).min()), 0.0) - ENOUGH / 2)
     assert first_step(narrow, guess).mesh.extra == EXTRA
     at_knots = replace(asked, formulation=step.mesh.formulation)
     assert first_step(at_knots, guess).mesh.extra == EXTRA, "who demands the knots alone gets them"

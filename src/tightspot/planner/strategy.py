@@ -32,8 +32,9 @@ NEAR, DEEP, HOPELESS = 0.15, 0.1, 0.6
 AGAIN = 1
 ASTRAY = 3
 EXTRA = 0.002
-FIRST_EXTRA = 0.01
-"""At the knots, m, where the guess has it: then the motion between them often keeps the margin, too."""
+FIRST_EXTRA, ENOUGH = 0.01, 0.05
+"""Demanded at the knots, m, where the guess has that much more: then the motion between them often keeps the margin,
+too. In narrow places it would cost more than it saves."""
 LARGEST_EXTRA = 0.1
 MOST_STEPS = 240
 FAILED_SOLVES = 4
@@ -83,7 +84,7 @@ def _uniform(request: Request, formulation: Formulation, guess: Trajectory, step
     grid = TimeGrid.uniform(steps)
     room = Room.of_guess(guess, grid, request.scenario, request.vehicle)
     poses = (poses_for(formulation, guess, request.vehicle, steps),) * steps
-    roomy = formulation != request.formulation and room.spare(request.margin).min() >= FIRST_EXTRA
+    roomy = formulation != request.formulation and room.spare(request.margin).min() >= ENOUGH
     extra = FIRST_EXTRA if roomy else EXTRA
     return Mesh(formulation, grid, poses, extra, _within_reach(request, room), np.ones_like(room.walls, bool))
 
