@@ -55,7 +55,7 @@ def lift_rolling(path: Path, start: Array, goal_steering: float, vehicle: Single
     low, high = vehicle.input_bounds
     t = np.concatenate(([0.0], durations.cumsum()))
     inputs = np.minimum(np.maximum(inputs, low), high)
-    return Trajectory(t, states, inputs, vehicle.state_names, vehicle.input_names)
+    return Trajectory.of_sound(t, states, inputs, vehicle.state_names, vehicle.input_names)
 
 
 def _averaged(s: Array, wanted: Array, first: float, last: float, half: float) -> Array:

@@ -254,18 +254,18 @@ def _solved(
     """By the stagewise solver from arrays, by others from the nonlinear program, each with what can be carried over."""
     before = step.before
     if step.loose and isinstance(solver, Stagewise):
-        solver = replace(solver, tolerance=max(solver.tolerance, LOOSE))
+        solver = solver.with_options(tolerance=max(solver.tolerance, LOOSE))
     if not isinstance(solver, Stagewise):
         warm = carry_over(before.transcription, before.report, program()) if before else None
         return solver.solve(program().nlp, warm=warm, callback=watch)
     if before is None or not isinstance(before.report, StageReport):
         return solver.solve_stages(problem_of(request, step), callback=watch)
     problem = carry_lines(before.mesh.grid, before.report, problem_of(request, step))
-    solver = replace(solver, knots_first=False)  # these lines have chosen their edges
+    solver = solver.with_options(knots_first=False)  # these lines have chosen their edges
     if solver.initial_barrier is None:
         between = step.mesh.formulation.holds == "interval"
         barrier, slack = (BETWEEN_BARRIER, BETWEEN_SLACK) if between else (WARM_BARRIER, None)
-        near = replace(solver, initial_barrier=barrier, slack_push=slack).solve_stages(problem, callback=watch)
+        near = solver.with_options(initial_barrier=barrier, slack_push=slack).solve_stages(problem, callback=watch)
         if near.status.success:
             return near
     return solver.solve_stages(problem, callback=watch)
@@ -301,7 +301,7 @@ def _judged(
         progress(Progress("verify", "replaying the inputs and covering all times", number))
         motion = replay(vehicle, trajectory)
         names = trajectory.state_names, trajectory.input_names
-        trajectory = Trajectory(trajectory.t, _within_bounds(motion.knots, request), trajectory.inputs, *names)
+        trajectory = Trajectory.of_sound(trajectory.t, _within_bounds(motion.knots, request), trajectory.inputs, *names)
         if step.mesh.formulation != request.formulation:
             room = Room.of_replay(motion, scenario, vehicle)
             objection = room.objection(trajectory.t, margin, scenario, vehicle)
@@ -316,6 +316,8 @@ def _trajectory(request: Request, step: Step, program: Callable[[], Transcriptio
         return program().trajectory(_finite(report.x))
     t = (report.final_time if np.isfinite(report.final_time) else 1.0) * step.mesh.grid.fractions
     names = request.vehicle.state_names, request.vehicle.input_names
+    if report.status.success:
+        return Trajectory.of_sound(t, report.states, report.inputs, *names)
     return Trajectory(t, _finite(report.states), _finite(report.inputs), *names)
 
 

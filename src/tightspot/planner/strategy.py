@@ -77,7 +77,7 @@ def on_grid(motion: Replay, grid: TimeGrid) -> Trajectory:
     """The replayed motion at the knots of a finer grid: it satisfies the dynamics there."""
     driven = motion.trajectory
     t = times_on(driven, grid)
-    return Trajectory(t, motion.at(t), inputs_on(driven, t), driven.state_names, driven.input_names)
+    return Trajectory.of_sound(t, motion.at(t), inputs_on(driven, t), driven.state_names, driven.input_names)
 
 
 def _uniform(request: Request, formulation: Formulation, guess: Trajectory, steps: int) -> Mesh:

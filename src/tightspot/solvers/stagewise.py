@@ -94,7 +94,13 @@ class Stagewise(Solver):
             raise InputError(problems)
 
     def with_time_limit(self, seconds: float) -> Stagewise:
-        return replace(self, time_limit=min(self.time_limit, max(seconds, 1e-3)))
+        return self.with_options(time_limit=min(self.time_limit, max(seconds, 1e-3)))
+
+    def with_options(self, **options: Any) -> Stagewise:
+        """With other options, which nobody looks at: :func:`dataclasses.replace` is for those that may be impossible."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__, **options)
+        return other
 
     def solve(
         self, nlp: Nlp, *, warm: WarmStart | None = None, callback: IterationCallback | None = None
@@ -145,7 +151,7 @@ class Stagewise(Solver):
         left = self.max_iterations - begun.iterations
         if begun.status not in _TRY_AGAIN or left < 1:
             return begun
-        limited = replace(self, max_iterations=left).with_time_limit(self.time_limit - begun.timings["solve"])
+        limited = self.with_options(max_iterations=left).with_time_limit(self.time_limit - begun.timings["solve"])
         return self._gone_on(problem, limited._first()._once(problem, None, callback).after(begun), callback)
 
     def _begins_at_knots(self, problem: StageProblem) -> bool:
@@ -154,7 +160,7 @@ class Stagewise(Solver):
 
     def _at_knots(self) -> Stagewise:
         tolerance, most = max(self.tolerance, knots_first.TOLERANCE), self.max_iterations // knots_first.SHARE
-        return replace(self, tolerance=tolerance, max_iterations=most)
+        return self.with_options(tolerance=tolerance, max_iterations=most)
 
     def _from_knots(self, problem: StageProblem, callback: IterationCallback | None) -> StageReport:
         """From the given start with the rows at the knots alone, then with all; or the former if it failed."""
@@ -170,22 +176,22 @@ class Stagewise(Solver):
         most = self.max_iterations - self.max_iterations // knots_first.SHARE
         most = min(most, 2 * self.max_iterations // 5) if self.robust else most
         slack = knots_first.SLACK if self.slack_push is None else self.slack_push
-        return replace(self, max_iterations=most, initial_barrier=knots_first.BARRIER, slack_push=slack)
+        return self.with_options(max_iterations=most, initial_barrier=knots_first.BARRIER, slack_push=slack)
 
     def _first(self) -> Stagewise:
         """For the first start: other ones are to have their turn, too."""
-        return replace(self, max_iterations=2 * self.max_iterations // 5) if self.robust else self
+        return self.with_options(max_iterations=2 * self.max_iterations // 5) if self.robust else self
 
     def _warm(
         self, problem: StageProblem, warm: StagePoint, callback: IterationCallback | None, core: Any
     ) -> StageReport:
-        quick = replace(self, max_iterations=min(self.max_iterations, WARM_ITERATIONS)) if self.robust else self
+        quick = self.with_options(max_iterations=min(self.max_iterations, WARM_ITERATIONS)) if self.robust else self
         report = quick._once(problem, warm, callback, core=core)
         if not self.robust or report.status not in _TRY_AGAIN:
             return report
         left = self.max_iterations - report.iterations
         seconds = max(self.time_limit - report.timings["solve"], 1e-3)
-        cold = replace(self, max_iterations=left, time_limit=seconds).solve_stages(problem, callback=callback)
+        cold = self.with_options(max_iterations=left, time_limit=seconds).solve_stages(problem, callback=callback)
         note = "Not solved from the earlier solution, but from the given start."
         return replace(
             cold,
@@ -208,7 +214,7 @@ class Stagewise(Solver):
         from tightspot.solvers.other_starts import from_other_starts
 
         def once(start: StageProblem, original: StageProblem | None, iterations: int, seconds: float) -> StageReport:
-            limited = replace(self, time_limit=seconds, max_iterations=iterations)
+            limited = self.with_options(time_limit=seconds, max_iterations=iterations)
             return limited._once(start, None, callback, original=original)
 
         return from_other_starts(problem, failed, once, self.max_iterations, self.time_limit)
