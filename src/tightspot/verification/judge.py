@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,7 +117,8 @@ def verify(
         offset=(float(scenario.offset[0]), float(scenario.offset[1])),
         version=package_version(),
     )
-    return replace(certificate, digest=_Seal(certificate, scenario, vehicle, trajectory))
+    object.__setattr__(certificate, "digest", _Seal(certificate, scenario, vehicle, trajectory))
+    return certificate
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,8 @@ class _Seal:
 
     def __call__(self) -> str:
         written = self.trajectory.shifted(self.certificate.offset).to_dict()
-        return digest(self.scenario.to_dict(), self.vehicle.to_dict(), written, self.certificate.to_dict())
+        unsealed = replace(self.certificate, digest="")
+        return digest(self.scenario.to_dict(), self.vehicle.to_dict(), written, unsealed.to_dict())
 
 
 def _extent(vertices: Array) -> float:
@@ -140,19 +143,25 @@ def _extent(vertices: Array) -> float:
 
 def _obstacle_check(clear: Cover, margin: float) -> Check:
     proved, passed = clear.clearance, bool(clear.holds.all())
+    worst = float(clear.seen.min(initial=np.inf))
+    return Check("obstacles", passed, proved, float(margin), partial(_of_obstacles, passed, proved, worst, margin))
+
+
+def _of_obstacles(passed: bool, proved: float, worst: float, margin: float) -> str:
     if not passed:
-        sentence = f"clearance of obstacles is {clear.seen.min():.4f} m at worst (demanded {margin:.4g} m)"
-    elif np.isinf(proved):
-        sentence = "there are no obstacles"
-    else:
-        sentence = f"clearance of obstacles is at least {rounded_down(proved)} m at all times (demanded {margin:.4g} m)"
-    return Check("obstacles", passed, proved, float(margin), sentence)
+        return f"clearance of obstacles is {worst:.4f} m at worst (demanded {margin:.4g} m)"
+    if np.isinf(proved):
+        return "there are no obstacles"
+    return f"clearance of obstacles is at least {rounded_down(proved)} m at all times (demanded {margin:.4g} m)"
 
 
 def _workspace_check(inside: Cover) -> Check:
-    passed = bool(inside.holds.all())
+    proved, passed = inside.clearance, bool(inside.holds.all())
+    worst = float(inside.seen.min(initial=np.inf))
+    return Check("workspace", passed, proved, -WORKSPACE_SLACK, partial(_of_workspace, passed, proved, worst))
+
+
+def _of_workspace(passed: bool, proved: float, worst: float) -> str:
     if passed:
-        sentence = f"the body stays {rounded_down(max(0.0, inside.clearance))} m inside the workspace at all times"
-    else:
-        sentence = f"the body leaves the workspace by {-inside.seen.min():.4g} m"
-    return Check("workspace", passed, inside.clearance, -WORKSPACE_SLACK, sentence)
+        return f"the body stays {rounded_down(max(0.0, proved))} m inside the workspace at all times"
+    return f"the body leaves the workspace by {-worst:.4g} m"

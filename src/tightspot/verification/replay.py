@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,10 @@ LARGEST = 1e9
 # Kept in reserve for rounding, in m and rad, on top of the estimated integration error.
 RESERVE = 1e-9
 _ROUNDING = 8 * np.finfo(float).eps  # of a step's sums, relative to the state
+
+
+_OF_KNOTS = ("apart", "furthest", "defect")
+"""What a replay finds out about its trajectory's knots."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +65,15 @@ class Replay:
     heading_error: float
     core: Motion | None = field(default=None, repr=False)
     accuracy: tuple[float, float] | None = None
+
+    def of_equal(self, trajectory: Trajectory) -> Replay:
+        """The same motion for a trajectory that is equal in all that is integrated."""
+        if trajectory is self.trajectory:
+            return self
+        kept = {name: value for name, value in self.__dict__.items() if name not in _OF_KNOTS}
+        other: Replay = object.__new__(Replay)
+        other.__dict__.update(kept, trajectory=trajectory)
+        return other
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"core": None}
@@ -172,7 +185,7 @@ def replay(
     by_core = in_core and compiled.is_compiled(vehicle)
     made_to = by_core, (tolerance, first_step)
     if known and (known.core is not None, known.accuracy) == made_to and _is_of(known, vehicle, trajectory):
-        return replace(known, trajectory=trajectory)
+        return known.of_equal(trajectory)
     found = (_compiled if by_core else _replayed)(vehicle, trajectory, tolerance, first_step)
     if found is None:
         raise InputError(
@@ -189,7 +202,7 @@ def _is_of(known: Replay, vehicle: VehicleModel, trajectory: Trajectory) -> bool
     """Whether it is of the same vehicle, and of a trajectory that is equal in all that is integrated."""
     other = known.trajectory
     return known.vehicle is vehicle and all(
-        np.array_equal(one, two)
+        one is two or np.array_equal(one, two)
         for one, two in (
             (trajectory.t, other.t),
             (trajectory.inputs, other.inputs),
