@@ -73,6 +73,12 @@ std::vector<Pose> to_poses(const Rows3& rows) {
     return result;
 }
 
+nb::tuple told(Nearness found) {
+    return nb::make_tuple(column(std::vector<std::int64_t>(found.near.begin(), found.near.end())),
+                          column(std::move(found.apart)), column(std::move(found.clearances)),
+                          column(std::move(found.depths)));
+}
+
 nb::tuple nearness_of(const Rows2& vertices, const Indices& first, const Rows3OfParts& poses, std::int64_t per_interval,
                       const Obstacles& obstacles, const Walls& walls, double far) {
     const std::vector<Outline> parts = outlines(vertices, first);
@@ -87,10 +93,26 @@ nb::tuple nearness_of(const Rows2& vertices, const Indices& first, const Rows3Of
         for (std::size_t s = 0; s < samples; ++s) places.push_back({poses(i, s, 0), poses(i, s, 1), poses(i, s, 2)});
         bodies.emplace_back(parts[i], places, static_cast<std::size_t>(per_interval));
     }
-    Nearness found = nearness(bodies, obstacles, walls, far);
-    return nb::make_tuple(column(std::vector<std::int64_t>(found.near.begin(), found.near.end())),
-                          column(std::move(found.apart)), column(std::move(found.clearances)),
-                          column(std::move(found.depths)));
+    return told(nearness(bodies, obstacles, walls, far));
+}
+
+template <class Model>
+nb::tuple nearness_along(const Motion<Model>& motion, const Rows2& vertices, const Indices& first, const Indices& frames,
+                         std::int64_t per_interval, const Obstacles& obstacles, const Walls& walls, double far) {
+    const std::vector<Outline> parts = outlines(vertices, first);
+    need(!motion.nodes.empty(), "integrate first");
+    need(!parts.empty() && parts.size() == frames.size(), "each part needs a frame");
+    need(per_interval >= 1 && per_interval <= 1000, "the samples of an interval must be 1 to 1000");
+    const std::vector<typename Motion<Model>::State> states = motion.sampled(static_cast<int>(per_interval));
+    std::vector<SampledPart> bodies;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        need(frames(i) >= 0 && frames(i) < Model::frames, "the model has no such frame");
+        std::vector<Pose> places;
+        places.reserve(states.size());
+        for (const auto& state : states) places.push_back(motion.model.frame(state.data(), static_cast<int>(frames(i))));
+        bodies.emplace_back(parts[i], places, static_cast<std::size_t>(per_interval));
+    }
+    return told(nearness(bodies, obstacles, walls, far));
 }
 
 nb::dict report(const Cover& cover) {
@@ -149,6 +171,8 @@ void bind_motion(nb::module_& m, const char* name) {
                  for (std::size_t i = 0; i < times.size(); ++i) found.push_back(self.at(times(i)));
                  return states<Model>(found);
              })
+        .def("nearness", &nearness_along<Model>, "vertices"_a, "first"_a, "frames"_a, "per_interval"_a, "obstacles"_a,
+             "walls"_a, "far"_a)
         .def_prop_ro(
             "substeps",
             [](const M& self) { return column(std::vector<std::int64_t>(self.substeps.begin(), self.substeps.end())); },

@@ -99,6 +99,16 @@ class JudgeSingleTrackMotion:
     def __init__(self, t: Array, start: Array, inputs: Array, parameters: Array) -> None: ...
     def integrate(self, accuracy: JudgeAccuracy) -> bool: ...
     def at(self, times: Array) -> Array: ...
+    def nearness(
+        self,
+        vertices: Array,
+        first: NDArray[np.int64],
+        frames: NDArray[np.int64],
+        per_interval: int,
+        obstacles: JudgeObstacles,
+        walls: JudgeWalls,
+        far: float,
+    ) -> tuple[NDArray[np.int64], Array, Array, Array]: ...
     @property
     def substeps(self) -> NDArray[np.int64]: ...
     @property

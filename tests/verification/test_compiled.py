@@ -14,7 +14,7 @@ from tightspot.trajectory import Trajectory
 from tightspot.vehicles import BodyPart, SingleTrack
 from tightspot.verification import compiled, minimum_clearance, replay, verify
 from tightspot.verification.certificate import digest
-from tightspot.verification.sampled import by_interval, nearness, sampled_clearance, sampled_room
+from tightspot.verification.sampled import by_interval, nearness, nearness_along, sampled_clearance, sampled_room
 
 pytestmark = pytest.mark.skipif(compiled.core() is None, reason="the core is not built")
 
@@ -257,6 +257,25 @@ def test_nearness_on_intervals_is_the_least_of_the_samples(kit, monkeypatch, see
     ):
         assert one.shape == other.shape
         np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("per_interval", [1, 3, 12])
+def test_nearness_along_a_motion_is_that_of_its_states(kit, seed, per_interval):
+    for car in (kit.box_car(), articulated(kit)):
+        trajectory = kit.wander(car, 5 + seed)
+        scenario = crowded(kit, np.random.default_rng(seed), trajectory, 6, clear=[6.0, 0.5][seed % 2])
+        motion, t = replay(car, trajectory), trajectory.t
+        inner = t[:-1, None] + np.diff(t)[:, None] * (np.arange(per_interval) / per_interval)
+        times = np.append(inner.ravel(), t[-1])
+        mine = nearness_along(motion, per_interval, scenario, lambda times=times: times)
+        its = nearness(motion.at(times), per_interval, scenario, car)
+        assert np.array_equal(mine.near, its.near)
+        for one, other in zip(
+            (mine.apart, mine.clearances, mine.depths), (its.apart, its.clearances, its.depths), strict=True
+        ):
+            assert one.shape == other.shape
+            np.testing.assert_allclose(one, other, atol=1e-8)
 
 
 def test_nearness_without_obstacles(kit):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from tightspot.transcription.sampling import states_at
 from tightspot.vehicles.base import VehicleModel
 from tightspot.verification.certificate import metres
 from tightspot.verification.replay import Replay
-from tightspot.verification.sampled import nearness
+from tightspot.verification.sampled import Nearness, nearness, nearness_along
 
 Array = NDArray[np.float64]
 
@@ -92,17 +93,16 @@ class Room:
     def of_guess(cls, guess: Trajectory, grid: TimeGrid, scenario: Scenario, vehicle: VehicleModel) -> Room:
         """Of the interpolated guess on the grid's intervals."""
         states = states_at(guess, guess.t[0] + guess.duration * _subdivided(grid.fractions, GUESS_SAMPLES))
-        return cls._of(states, GUESS_SAMPLES, scenario, vehicle)
+        return cls._of(nearness(states, GUESS_SAMPLES, scenario, vehicle))
 
     @classmethod
     def of_replay(cls, replay: Replay, scenario: Scenario, vehicle: VehicleModel) -> Room:
         """Of the replayed motion on its own intervals."""
-        times = _subdivided(replay.trajectory.t, REPLAY_SAMPLES)
-        return cls._of(replay.at(times), REPLAY_SAMPLES, scenario, vehicle)
+        times = partial(_subdivided, replay.trajectory.t, REPLAY_SAMPLES)
+        return cls._of(nearness_along(replay, REPLAY_SAMPLES, scenario, times))
 
     @classmethod
-    def _of(cls, states: Array, per_interval: int, scenario: Scenario, vehicle: VehicleModel) -> Room:
-        found = nearness(states, per_interval, scenario, vehicle)
+    def _of(cls, found: Nearness) -> Room:
         far = found.apart.copy()
         far[:, found.near] = np.inf
         return cls(found.near, found.clearances, far, found.depths)

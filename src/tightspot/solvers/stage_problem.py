@@ -205,8 +205,16 @@ class StageProblem:
 
     def replaced(self, **changes: Any) -> StageProblem:
         """A copy with other arrays."""
-        fields = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return StageProblem(**(fields | changes))
+        if not changes.keys() <= self.__dict__.keys():
+            raise TypeError(f"a StageProblem has no {', '.join(changes.keys() - self.__dict__.keys())}")
+        return StageProblem.of(**(self.__dict__ | changes))
+
+    @classmethod
+    def of(cls, **arrays: Any) -> StageProblem:
+        """As the constructor with all attributes, without its detours."""
+        made = object.__new__(cls)
+        made.__dict__.update(arrays)
+        return made
 
 
 _ENDS_AND_POINT = {"start", "goal", "states", "inputs", "final_time", "lines", "penetrations"}

@@ -64,7 +64,7 @@ class StageReport(SolveReport):
     """A :class:`SolveReport` whose vectors are in the order of the Nlp that says the same, and the stagewise ones.
 
     The solver's reports compute ``x``, ``g``, ``lam_x``, ``lam_g`` and ``worst`` when they are first asked for.
-    ``worst`` is empty if nothing is violated by more than 1e-9.
+    ``worst`` is empty if nothing is violated by more than 1e-9, or a loose solve (tolerance above 1e-7) succeeded.
 
     Attributes:
         problem: What was solved.

@@ -27,7 +27,7 @@ from tightspot.solvers.stage_batch import AT_ONCE, check_batch, solve_together
 from tightspot.solvers.stage_core import compiled, core_solver, move_ends, set_start
 from tightspot.solvers.stage_order import CorePoint
 from tightspot.solvers.stage_problem import StageProblem
-from tightspot.solvers.stage_report import Attempt, StagePoint, StageReport
+from tightspot.solvers.stage_report import ROUNDING, Attempt, StagePoint, StageReport
 
 _STATUS = {
     "solved": SolveStatus.SOLVED,
@@ -97,7 +97,7 @@ class Stagewise(Solver):
         return self.with_options(time_limit=min(self.time_limit, max(seconds, 1e-3)))
 
     def with_options(self, **options: Any) -> Stagewise:
-        """With other options, which nobody looks at: :func:`dataclasses.replace` is for those that may be impossible."""
+        """With other options, which nobody looks at; :func:`dataclasses.replace` is for those that may not do."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, **options)
         return other
@@ -339,6 +339,7 @@ class Stagewise(Solver):
         status = _STATUS[answer["status"]]
         if status.success and not answer["audited"] <= 100 * self.tolerance:
             status = SolveStatus.NUMERICAL
+        told = {} if self.tolerance <= 100 * ROUNDING or not status.success else {"worst": ""}
         largest = max(1.0, *(float(np.abs(of).max(initial=0.0)) for of in (core.z, core.lam)))
         return StageReport.lazily(
             status=status,
@@ -360,6 +361,7 @@ class Stagewise(Solver):
             log=answer["log"],
             attempts=(Attempt(start, status, answer["iterations"]),),
             core=core,
+            **told,
         )
 
 

@@ -51,10 +51,12 @@ class MotionArrays:
         Raises:
             InputError: A motion has another number of knots than the grid.
         """
+        if not motions:
+            return _NOTHING
         pieces, whole = settings.samples(grid.steps)
         tables = [sampled(motion, grid, pieces) for motion in motions]
         samples = int(pieces.sum()) + grid.steps
-        extras = np.zeros((grid.steps, len(vehicle.parts), standing + len(motions) if motions else 0))
+        extras = np.zeros((grid.steps, len(vehicle.parts), standing + len(motions)))
         for index, motion in enumerate(motions):
             extra = bulges(vehicle, motion, settings.margin, grid, pieces)
             extras[:, :, standing + index] = np.where(whole[:, None], extra, 0.0)
@@ -77,6 +79,11 @@ class MotionArrays:
             flat += [self.poses[index].ravel("F"), self.slopes[index].ravel("F"), self.times[index : index + 1]]
             flat.append(self.extras[:, :, obstacle].ravel("F"))
         return flat
+
+
+_NOTHING = MotionArrays(
+    np.zeros(0, np.int64), np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 3)), np.zeros((0, 0, 0))
+)
 
 
 def with_moving(standing: PolygonStack, motions: Sequence[ObstacleMotion]) -> PolygonStack:

@@ -123,7 +123,7 @@ def _arrays(
     time_low, time_high = settings.final_time_bounds
     edges = wall_indices[:, 2]
     steering = vehicle.limits.steering
-    parts = PolygonStack(part.polygon for part in vehicle.parts)
+    parts = vehicle.part_stack
     polygons = (parts.vertices, parts.first, obstacles.vertices, obstacles.first)
     final_time = float(min(max(guess.duration, time_low), time_high))
     frames = moving.frames(final_time)
@@ -135,7 +135,7 @@ def _arrays(
     penalties = np.full((len(pairs), 2), np.nan)
     if soft:
         penalties[:, 0], penalties[:, 1] = 0.0, settings.penalty_weight * grid.widths[pairs[:, 0]]
-    return StageProblem(
+    return StageProblem.of(
         model="single_track",
         parameters=np.array([vehicle.wheelbase, steering, np.tan(steering)]),
         widths=grid.widths,

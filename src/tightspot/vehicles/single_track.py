@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from tightspot.errors import Problem, VehicleError
 from tightspot.geometry.polygon import ConvexPolygon
+from tightspot.geometry.stack import PolygonStack
 from tightspot.vehicles.base import Array, BodyPart, MathNamespace, MotionBounds, VehicleModel
 
 _SMOOTH_ACCELERATION, _SMOOTH_RATE, _SMOOTH_SPEED, _SMOOTH_STEERING = 0.1, 0.05, 0.1, 0.1
@@ -117,6 +119,11 @@ class SingleTrack(VehicleModel):
     def dynamics(self, state: Sequence[Any], control: Sequence[Any], ns: MathNamespace) -> list[Any]:
         theta, v, delta = state[2], state[3], state[4]
         return [v * ns.cos(theta), v * ns.sin(theta), v * ns.tan(delta) / self.wheelbase, control[0], control[1]]
+
+    @cached_property
+    def part_stack(self) -> PolygonStack:
+        """The polygons of the body's parts in one array."""
+        return PolygonStack(part.polygon for part in self.parts)
 
     def frames(self, state: Sequence[Any], ns: MathNamespace) -> list[tuple[Any, Any, Any]]:
         return [(state[0], state[1], state[2])]

@@ -63,17 +63,6 @@ def integrated(vehicle: SingleTrack, trajectory: Trajectory, **accuracy: float) 
     return motion if motion.integrate(_filled(core().JudgeAccuracy(), accuracy)) else None
 
 
-_shapes: WeakKeyDictionary[SingleTrack, tuple[PolygonStack, NDArray[np.int64]]] = WeakKeyDictionary()
-
-
-def _shape(vehicle: SingleTrack) -> tuple[PolygonStack, NDArray[np.int64]]:
-    """The body parts and their frames; of a vehicle they are made once."""
-    if vehicle not in _shapes:
-        frames = np.array([part.frame for part in vehicle.parts], dtype=np.int64)
-        _shapes[vehicle] = PolygonStack(part.polygon for part in vehicle.parts), frames
-    return _shapes[vehicle]
-
-
 def body_on(motion: Motion, vehicle: SingleTrack, radii: Array, pads: Array, reserve: float) -> Body:
     """The body parts on the motion.
 
@@ -84,8 +73,9 @@ def body_on(motion: Motion, vehicle: SingleTrack, radii: Array, pads: Array, res
         pads: What each part's clearances lose to integration error and rounding, m.
         reserve: For rounding in the bounds of the motion, relative.
     """
-    stack, frames = _shape(vehicle)
-    result: Body = core().JudgeSingleTrackBody(motion, stack.vertices, stack.first, frames, radii, pads, reserve)
+    stack = vehicle.part_stack
+    parts = stack.vertices, stack.first, _frames(stack)
+    result: Body = core().JudgeSingleTrackBody(motion, *parts, radii, pads, reserve)
     return result
 
 
@@ -141,6 +131,22 @@ def nearness(
         parts.vertices, parts.first, poses, per_interval, barriers, edges, far
     )
     return result
+
+
+def nearness_along(
+    motion: Motion, vehicle: SingleTrack, per_interval: int, barriers: JudgeObstacles, edges: JudgeWalls, far: float
+) -> tuple[NDArray[np.int64], Array, Array, Array]:
+    """:func:`nearness` of the vehicle's parts on its motion, at the beginnings of equal parts of each interval."""
+    stack = vehicle.part_stack
+    result: tuple[NDArray[np.int64], Array, Array, Array] = motion.nearness(
+        stack.vertices, stack.first, _frames(stack), per_interval, barriers, edges, far
+    )
+    return result
+
+
+def _frames(parts: PolygonStack) -> NDArray[np.int64]:
+    """Of the single-track model's parts: it has one frame."""
+    return np.zeros(len(parts), np.int64)
 
 
 def _filled(options: Any, values: dict[str, float]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +10,9 @@ from numpy.typing import NDArray
 
 from tightspot.geometry import PolygonStack, clearance, transform
 from tightspot.scenarios import Scenario
-from tightspot.vehicles import VehicleModel
+from tightspot.vehicles import SingleTrack, VehicleModel
 from tightspot.verification import compiled
+from tightspot.verification.replay import Replay
 
 Array = NDArray[np.float64]
 
@@ -106,16 +108,38 @@ def nearness(states: Array, per_interval: int, scenario: Scenario, vehicle: Vehi
         near, apart, found = near_clearance(states, scenario, vehicle, far)
         depths = sampled_room(states, scenario, vehicle)
         return Nearness(near, apart, by_interval(found, per_interval), by_interval(depths, per_interval))
-    parts, polygons = PolygonStack(part.polygon for part in vehicle.parts), scenario.obstacle_polygons
-    barriers = compiled.obstacles(polygons), compiled.walls(scenario.workspace)
-    near, *rest = compiled.nearness(parts, _poses(states, vehicle), per_interval, *barriers, far)
-    apart, clearances, depths = rest
-    each = (len(states) - 1) // per_interval, len(parts)
+    parts = vehicle.part_stack if isinstance(vehicle, SingleTrack) else PolygonStack(p.polygon for p in vehicle.parts)
+    barriers = compiled.obstacles(scenario.obstacle_polygons), compiled.walls(scenario.workspace)
+    nearby = compiled.nearness(parts, _poses(states, vehicle), per_interval, *barriers, far)
+    return _shaped(nearby, (len(states) - 1) // per_interval, len(parts), scenario)
+
+
+def nearness_along(
+    motion: Replay, per_interval: int, scenario: Scenario, times: Callable[[], Array], far: float = FAR
+) -> Nearness:
+    """Of a replayed motion on the intervals between its knots, at the beginnings of equal parts of each and at the end.
+
+    ``times`` of these are asked for where the core does not know the model.
+    """
+    vehicle = motion.vehicle
+    if motion.core is None or not isinstance(vehicle, SingleTrack):
+        return nearness(motion.at(times()), per_interval, scenario, vehicle, far)
+    barriers = compiled.obstacles(scenario.obstacle_polygons), compiled.walls(scenario.workspace)
+    found = compiled.nearness_along(motion.core, vehicle, per_interval, *barriers, far)
+    return _shaped(found, motion.trajectory.steps, len(vehicle.parts), scenario)
+
+
+_Found = tuple[NDArray[np.int64], Array, Array, Array]
+
+
+def _shaped(found: _Found, steps: int, parts: int, scenario: Scenario) -> Nearness:
+    """What the core found on so many intervals, of so many parts."""
+    near, apart, clearances, depths = found
     return Nearness(
         near.astype(np.intp, copy=False),
-        apart.reshape(len(parts), len(polygons)),
-        clearances.reshape(*each, near.size),
-        depths.reshape(*each, len(scenario.workspace.b)),
+        apart.reshape(parts, len(scenario.obstacle_polygons)),
+        clearances.reshape(steps, parts, near.size),
+        depths.reshape(steps, parts, len(scenario.workspace.b)),
     )
 
 
