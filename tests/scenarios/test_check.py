@@ -12,6 +12,7 @@ from shapely.affinity import rotate, translate
 
 from tightspot.errors import SceneError
 from tightspot.scenarios import Scenario, check, clearance, clearances, workspace_excess
+from tightspot.scenarios.clearances import surely_free
 from tightspot.vehicles import vehicle
 
 PAPER = vehicle("paper")  # body x in [-0.929, 3.699], y in [-1.0485, 1.0485]
@@ -157,3 +158,22 @@ def test_within_reach_nothing_is_left_out():
         near = {found.obstacle: found.value for found in clearances(there, PAPER, there.start, reach=reach)}
         wanted = {name: value for name, value in everything.items() if value <= reach}
         assert wanted.items() <= near.items() <= everything.items()
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.05, 0.5])
+@pytest.mark.parametrize("seed", range(60))
+def test_what_is_seen_at_a_glance_to_be_free_is_free(seed, margin):
+    rng = np.random.default_rng(seed)
+    obstacles = [box(*rng.uniform(-8, 8, 2), *rng.uniform(0.5, 4, 2)) for _ in range(rng.integers(0, 4))]
+    some = scene(obstacles)
+    states = np.zeros((2, 5))
+    states[:, :3] = rng.uniform([-17, -17, -np.pi], [17, 17, np.pi], (2, 3))
+    free = []
+    for x, y, theta in states[:, :3]:
+        body = translate(rotate(Polygon(PAPER.parts[0].polygon.vertices), theta, (0, 0), use_radians=True), x, y)
+        inside = np.abs(np.array(body.exterior.coords)).max() <= 20 + 1e-9
+        free.append(inside and all(body.distance(Polygon(ring)) >= margin - 1e-9 for ring in obstacles))
+    if surely_free(some, PAPER, states, margin, 1e-9):
+        assert all(free)
+    if not obstacles:
+        assert surely_free(some, PAPER, states, margin, 1e-9) is all(free)

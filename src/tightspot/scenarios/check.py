@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tightspot.errors import BlockedError, Problem, SceneError, is_number, shown
 from tightspot.problems import shortened
 from tightspot.scenarios.blocked import Blocked, blocked
+from tightspot.scenarios.clearances import surely_free
 from tightspot.scenarios.remedies import SLACK
 from tightspot.scenarios.scenario import Scenario
 from tightspot.scenarios.states import STATE
@@ -36,6 +37,8 @@ def check(scenario: Scenario, vehicle: VehicleModel, margin: float) -> None:
     """
     if not (is_number(margin) and 0 <= margin < np.inf):
         raise SceneError(Problem("margin", f"{shown(margin)} m must be a finite clearance of 0 m or more"))
+    if _seen_at_once(scenario, vehicle, margin):
+        return
     problems: list[Problem] = []
     ends: list[Blocked] = []
     for end in ENDS:
@@ -48,6 +51,16 @@ def check(scenario: Scenario, vehicle: VehicleModel, margin: float) -> None:
         raise BlockedError(shortened(problems), ends)
     if problems:
         raise SceneError(shortened(problems))
+
+
+def _seen_at_once(scenario: Scenario, vehicle: VehicleModel, margin: float) -> bool:
+    """Whether both ends are plainly free and within the limits; false if one has to look closer."""
+    if tuple(vehicle.state_names) != STATE:
+        return False
+    states = np.array([scenario.start, scenario.goal])
+    states[np.isnan(states)] = 0.0
+    low, high = vehicle.state_bounds
+    return bool(((states >= low) & (states <= high)).all()) and surely_free(scenario, vehicle, states, margin, SLACK)
 
 
 def _limit_problems(key: str, state: Array, vehicle: VehicleModel) -> list[Problem]:
