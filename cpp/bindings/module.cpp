@@ -19,6 +19,7 @@
 #include "tightspot/hybrid_astar.hpp"
 #include "tightspot/path.hpp"
 #include "tightspot/reeds_shepp.hpp"
+#include "tightspot/rolling.hpp"
 #include "tightspot/shortcut.hpp"
 
 namespace nb = nanobind;
@@ -28,9 +29,13 @@ using namespace tightspot;
 namespace {
 
 using Rows2 = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Rows5 = nb::ndarray<const double, nb::shape<-1, 5>, nb::c_contig, nb::device::cpu>;
 using Rows3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Indices = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Vector3 = nb::ndarray<const double, nb::shape<3>, nb::c_contig, nb::device::cpu>;
+
+/// Ways below this, m, are none.
+constexpr double shortest_way = 1e-9;
 
 Pose to_pose(const Vector3& pose) { return {pose(0), pose(1), pose(2)}; }
 
@@ -207,6 +212,37 @@ void bind_checker(nb::module_& m) {
         .def_prop_ro("pair_tests", &CollisionChecker::pair_tests);
 }
 
+/// Knot times, states and inputs of a path (x, y, theta, curvature, gear) that is driven; see rolling.hpp. Poses that do
+/// not move on are left out.
+nb::tuple rolling(const Rows5& path, double first, double last, const RollingLimits& limits) {
+    std::vector<double> ways, gears, curvatures;
+    std::vector<std::size_t> kept(1, 0);
+    for (std::size_t i = 1; i < path.shape(0); ++i) {
+        const double half_turn = (path(i, 2) - path(i - 1, 2)) / 2;
+        const double chord = std::hypot(path(i, 0) - path(i - 1, 0), path(i, 1) - path(i - 1, 1));
+        const double way = half_turn == 0 ? chord : chord * half_turn / std::sin(half_turn);
+        if (!(way > shortest_way)) continue;
+        ways.push_back(way), curvatures.push_back(path(i, 3)), gears.push_back(path(i, 4)), kept.push_back(i);
+    }
+    if (ways.empty()) throw nb::value_error("the path moves nowhere");
+    const Rolling driven(ways, gears, curvatures, first, last, limits);
+    std::vector<double> states, inputs;
+    states.reserve(5 * kept.size()), inputs.reserve(2 * kept.size());
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+        for (int i = 0; i < 3; ++i) states.push_back(path(kept[k], i));
+        states.push_back(driven.v[k]), states.push_back(driven.delta[k]);
+        if (k + 1 < kept.size()) inputs.push_back(driven.a[k]), inputs.push_back(driven.omega[k]);
+    }
+    return nb::make_tuple(column(driven.t), table(std::move(states), 5), table(std::move(inputs), 2));
+}
+
+void bind_rolling(nb::module_& m) {
+    nb::class_<RollingLimits>(m, "RollingLimits")
+        .def(nb::init<double, double, double, double, double, double, double, double>(), "wheelbase"_a, "steering"_a,
+             "steering_rate"_a, "forwards"_a, "backwards"_a, "slowest"_a, "fastest"_a, "half_window"_a);
+    m.def("rolling", &rolling, "path"_a, "first"_a, "last"_a, "limits"_a);
+}
+
 void bind_search(nb::module_& m) {
     nb::class_<MotionCost>(m, "MotionCost")
         .def(nb::init<>())
@@ -246,6 +282,7 @@ NB_MODULE(_core, m) {
     bind_reeds_shepp(m);
     bind_checker(m);
     bind_search(m);
+    bind_rolling(m);
     bind_judge(m);
 #ifdef TIGHTSPOT_HAS_V3
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))

@@ -64,6 +64,21 @@ class SearchOptions:
 def reeds_shepp_shortest(start: Array, goal: Array, radius: float) -> tuple[str, Array]: ...
 def reeds_shepp_all(start: Array, goal: Array, radius: float) -> list[tuple[str, Array]]: ...
 def sample_arcs(start: Array, arcs: Array, spacing: float) -> Array: ...
+
+class RollingLimits:
+    def __init__(
+        self,
+        wheelbase: float,
+        steering: float,
+        steering_rate: float,
+        forwards: float,
+        backwards: float,
+        slowest: float,
+        fastest: float,
+        half_window: float,
+    ) -> None: ...
+
+def rolling(path: Array, first: float, last: float, limits: RollingLimits) -> tuple[Array, Array, Array]: ...
 def search(
     checker: CollisionChecker, start: Array, goal: Array, options: SearchOptions, shortcuts: bool = True
 ) -> SearchAnswer: ...

@@ -35,7 +35,11 @@ class TimeGrid:
         """N equal intervals, the paper's grid."""
         if steps < 1:
             raise InputError(Problem("steps", f"{steps} is too few; give at least 1 interval"))
-        return cls(np.linspace(0.0, 1.0, steps + 1))
+        fractions = np.arange(steps + 1) / steps
+        fractions.setflags(write=False)
+        made: TimeGrid = object.__new__(cls)
+        made.__dict__["fractions"] = fractions
+        return made
 
     @property
     def steps(self) -> int:
