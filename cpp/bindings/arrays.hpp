@@ -38,4 +38,13 @@ nanobind::ndarray<nanobind::numpy, Number, nanobind::ndim<1>> column(std::vector
     return nanobind::ndarray<nanobind::numpy, Number, nanobind::ndim<1>>(data, {size}, owner);
 }
 
+/// The same of other numbers.
+template <class Number>
+nanobind::ndarray<nanobind::numpy, Number, nanobind::ndim<2>> table_of(std::vector<Number> values, std::size_t columns) {
+    nanobind::capsule owner;
+    const std::size_t rows = values.size() / columns;
+    Number* data = hand_over(std::move(values), owner);
+    return nanobind::ndarray<nanobind::numpy, Number, nanobind::ndim<2>>(data, {rows, columns}, owner);
+}
+
 }  // namespace tightspot

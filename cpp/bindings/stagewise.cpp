@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "tightspot/stagewise/demanded.hpp"
 #include "tightspot/stagewise/generated/single_track.hpp"
 #include "tightspot/stagewise/interior_point.hpp"
 #include "tightspot/stagewise/start_lines.hpp"
@@ -411,6 +412,50 @@ Callback told_to(const nb::object& callback, std::unique_ptr<nb::python_error>& 
     };
 }
 
+using Mask = nb::ndarray<const bool, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+
+/// The (interval, part, other) that are true, in order.
+std::vector<std::int64_t> chosen(const Mask& mask) {
+    std::vector<std::int64_t> found;
+    const bool* at = mask.data();
+    for (std::size_t k = 0; k < mask.shape(0); ++k)
+        for (std::size_t part = 0; part < mask.shape(1); ++part)
+            for (std::size_t other = 0; other < mask.shape(2); ++other)
+                if (*at++)
+                    for (std::size_t index : {k, part, other}) found.push_back(static_cast<std::int64_t>(index));
+    return found;
+}
+
+/// The rows of a problem: pairs, their sides' demands, walls and their lines (normals and offsets of W's edges), and what
+/// is demanded of pairs and walls at each sample.
+nb::tuple rows(const Mask& active, const Mask& near, const Array& normals, const Array& offsets, const Integers& poses,
+               const Clearances& wanted) {
+    const std::size_t steps = poses.size();
+    need(active.shape(0) == steps && near.shape(0) == steps, "active");
+    need(normals.size() == 2 * offsets.size() && near.shape(2) == offsets.size(), "wall_lines");
+    std::vector<std::int64_t> pieces;
+    std::vector<char> whole;
+    for (std::size_t k = 0; k < steps; ++k) {
+        const std::int64_t count = poses.data()[k];
+        need(count >= 0 && count <= 1000, "pieces");
+        pieces.push_back(std::max<std::int64_t>(count, 1)), whole.push_back(count > 0);
+    }
+    Demanded demanded(pieces, whole, wanted);
+    std::vector<std::int64_t> pairs = chosen(active), edges = chosen(near), walls;
+    Vector sides, lines;
+    for (std::size_t i = 0; i < pairs.size(); i += 3)
+        for (std::size_t j : {0, 1}) sides.push_back(demanded.sides[2 * static_cast<std::size_t>(pairs[i]) + j]);
+    for (std::size_t i = 0; i < edges.size(); i += 3) {
+        const auto edge = static_cast<std::size_t>(edges[i + 2]);
+        walls.push_back(edges[i]), walls.push_back(edges[i + 1]);
+        lines.push_back(normals.data()[2 * edge]), lines.push_back(normals.data()[2 * edge + 1]);
+        lines.push_back(offsets.data()[edge]);
+    }
+    return nb::make_tuple(tightspot::table_of(std::move(pairs), 3), tightspot::table(std::move(sides), 2),
+                          tightspot::table_of(std::move(walls), 2), tightspot::table(std::move(lines), 3),
+                          tightspot::table(std::move(demanded.pairs), 2), tightspot::table(std::move(demanded.walls), 2));
+}
+
 template <class Model>
 class Solver {
    public:
@@ -511,6 +556,10 @@ void TIGHTSPOT_BIND_STAGEWISE(nb::module_& m) {
         .def_rw("second_order_correction", &Options::second_order_correction)
         .def_rw("warm", &Options::warm);
     bind_model<SingleTrack>(m, "StagewiseSingleTrack");
+    nb::class_<Clearances>(m, "Clearances")
+        .def(nb::init<double, double, double, bool, bool>(), "margin"_a, "end_margin"_a, "workspace_margin"_a,
+             "start_given"_a, "goal_given"_a);
+    m.def("stagewise_rows", &rows, "active"_a, "walls"_a, "normals"_a, "offsets"_a, "poses"_a, "clearances"_a);
     m.def("stagewise_start_lines", &start_lines, "states"_a, "pieces"_a, "at_end"_a, "part_vertices"_a, "part_first"_a,
           "obstacle_vertices"_a, "obstacle_first"_a, "pairs"_a, "motion_obstacles"_a, "motion_poses"_a);
 }

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from tightspot.search import Path
-from tightspot.search.core import compiled_core
+from tightspot.search.rolling import rolled
 from tightspot.trajectory import Trajectory
 from tightspot.vehicles.single_track import SingleTrack
-
-if TYPE_CHECKING:
-    from tightspot import _core
 
 Array = NDArray[np.float64]
 
@@ -47,17 +42,17 @@ def lift_rolling(path: Path, start: Array, goal_steering: float, vehicle: Single
         BuildError: The compiled core is missing.
     """
     limits = vehicle.limits
-    core = compiled_core()
-    table = np.empty((len(path.poses), 5))
-    table[:, :3], table[:, 3], table[:, 4] = path.poses, path.curvature, path.gear
-    able: _core.RollingLimits = core.RollingLimits(
-        vehicle.wheelbase,
-        limits.steering,
-        limits.steering_rate,
-        limits.speed[1],
-        -limits.speed[0],
-        *limits.acceleration,
-        HALF_WINDOW * vehicle.wheelbase,
+    t, states, inputs = rolled(
+        path,
+        float(start[4]),
+        float(goal_steering),
+        wheelbase=vehicle.wheelbase,
+        steering=limits.steering,
+        steering_rate=limits.steering_rate,
+        forwards=limits.speed[1],
+        backwards=-limits.speed[0],
+        slowest=limits.acceleration[0],
+        fastest=limits.acceleration[1],
+        half_window=HALF_WINDOW * vehicle.wheelbase,
     )
-    t, states, inputs = core.rolling(table, float(start[4]), float(goal_steering), able)
     return Trajectory.of_sound(t, states, inputs, vehicle.state_names, vehicle.input_names)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from tightspot.formulations import (
 from tightspot.geometry.stack import PolygonStack
 from tightspot.geometry.transforms import nearest_angle
 from tightspot.scenarios.scenario import Scenario
+from tightspot.solvers.stage_core import compiled
 from tightspot.solvers.stage_lines import start_lines
 from tightspot.solvers.stage_problem import LineForm, StageProblem
 from tightspot.trajectory import Trajectory
@@ -33,7 +35,6 @@ from tightspot.vehicles.base import VehicleModel
 from tightspot.vehicles.single_track import SingleTrack
 
 Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _FORMS: dict[type[Formulation], LineForm] = {
     UnitNormalLine: LineForm(in_body=True, body_first=True),
@@ -112,16 +113,16 @@ def _arrays(
 ) -> StageProblem:
     assert isinstance(vehicle, SingleTrack)
     pieces, whole = settings.samples(grid.steps)
-    pairs, wall_indices = np.transpose(active.nonzero()), np.transpose(walls.nonzero())
-    fixed = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
-    pair_demands, sides, wall_demands = _demands(settings, pieces, whole, fixed)
+    W = scenario.workspace
+    pairs, pair_sides, wall_places, wall_lines, pair_demands, wall_demands = compiled().stagewise_rows(
+        active, walls, W.A, W.b, pieces * whole, _clearances(settings, start, goal)
+    )
     (input_low, input_high), (low, high) = vehicle.input_bounds, (bound.copy() for bound in vehicle.state_bounds)
     low[2], high[2] = max(low[2], -settings.heading_limit), min(high[2], settings.heading_limit)
     states = np.minimum(np.maximum(guess.states, low), high)
     for k, state in ((0, start), (-1, goal)):
         states[k] = np.where(np.isnan(state), states[k], state)
     time_low, time_high = settings.final_time_bounds
-    edges = wall_indices[:, 2]
     steering = vehicle.limits.steering
     parts = vehicle.part_stack
     polygons = (parts.vertices, parts.first, obstacles.vertices, obstacles.first)
@@ -129,7 +130,6 @@ def _arrays(
     frames = moving.frames(final_time)
     lines = start_lines(guess.states, pieces, pairs, *polygons, whole=whole, moving=moving.obstacles, frames=frames)
     extras = moving.extras[tuple(pairs.T)] / 2 if moving.obstacles.size else np.zeros(0)
-    pair_sides = np.ascontiguousarray(sides[pairs[:, 0]])
     pair_sides[: extras.size, 0] += extras
     soft = isinstance(settings.formulation, _SOFT)
     penalties = np.full((len(pairs), 2), np.nan)
@@ -161,8 +161,8 @@ def _arrays(
         pair_origins=lines.origins,
         pair_sides=pair_sides,
         pair_penalties=penalties,
-        walls=np.ascontiguousarray(wall_indices[:, :2]),
-        wall_lines=np.concatenate([scenario.workspace.A, scenario.workspace.b[:, None]], axis=1)[edges],
+        walls=wall_places,
+        wall_lines=wall_lines,
         pair_demands=pair_demands,
         wall_demands=wall_demands,
         states=states,
@@ -179,27 +179,8 @@ def _arrays(
     )
 
 
-def _demands(
-    settings: Settings, pieces: Integers, whole: NDArray[np.bool_], fixed: tuple[bool, bool]
-) -> tuple[Array, Array, Array]:
-    """Demands (constant, weight of the cover): of pairs by sample, the obstacle's side by interval, walls by sample.
-
-    The clearance d at a sample is the margin plus the cover; where the pose is given it is the end margin alone. Half
-    the first sample's clearance lies on the obstacle's side of the line, d less that half on the body's. Intervals that
-    are not ``whole`` have rows at their last sample only, without a cover.
-    """
-    last = (pieces + 1).cumsum() - 1
-    first = last - pieces
-    clearance = np.empty((last[-1] + 1, 2))
-    clearance[:, 0], clearance[:, 1] = settings.margin, whole.repeat(pieces + 1)
-    wall = clearance.copy()
-    wall[:, 0] = settings.workspace_margin
+def _clearances(settings: Settings, start: Array, goal: Array) -> Any:
+    """What is demanded, as the core takes it."""
     end_margin = settings.margin if settings.end_margin is None else settings.end_margin
-    if fixed[0]:
-        clearance[0], wall[0] = (end_margin, 0.0), np.nan
-    if fixed[1]:
-        clearance[-1], wall[-1] = (end_margin, 0.0), 0.0
-    sides = clearance[np.where(whole, first, last)] / 2
-    pair = clearance - sides.repeat(pieces + 1, axis=0)
-    pair[first[~whole]] = wall[first[~whole]] = np.nan
-    return pair, sides, wall
+    given = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
+    return compiled().Clearances(settings.margin, end_margin, settings.workspace_margin, *given)
