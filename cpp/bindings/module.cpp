@@ -14,6 +14,7 @@
 
 #include "arrays.hpp"
 #include "judge.hpp"
+#include "resampling.hpp"
 #include "stagewise.hpp"
 #include "tightspot/collision.hpp"
 #include "tightspot/hybrid_astar.hpp"
@@ -284,6 +285,7 @@ NB_MODULE(_core, m) {
     bind_search(m);
     bind_rolling(m);
     bind_judge(m);
+    bind_resampling(m);
 #ifdef TIGHTSPOT_HAS_V3
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
         bind_stagewise_v3(m);

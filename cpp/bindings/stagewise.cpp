@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -16,6 +17,7 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -38,26 +40,62 @@ using tightspot::Table;
 /// How long a solve without a callback goes on before it asks whether Ctrl-C was pressed.
 constexpr std::chrono::milliseconds signal_interval{50};
 
-template <class A>
-A array_of(nb::handle problem, const char* name) {
-    nb::object value = problem.attr(name);
-    A array;
-    if (!nb::try_cast<A>(value, array))
-        throw nb::value_error((std::string("stage problem: ") + name + " is not a contiguous array of the right type")
-                                  .c_str());
-    return array;
-}
+/// The numbers of an attribute: read in place where it is a contiguous array of the type, else converted by NumPy.
+template <class Number>
+class Numbers {
+   public:
+    Numbers(nb::handle problem, const char* name) : value_(problem.attr(name)) {
+        if (in_place()) return;
+        if (!nb::try_cast(value_, converted_))
+            throw nb::value_error(
+                (std::string("stage problem: ") + name + " is not a contiguous array of the right type").c_str());
+        data_ = converted_.data(), size_ = converted_.size();
+    }
+    Numbers(const Numbers&) = delete;
+    Numbers& operator=(const Numbers&) = delete;
+    ~Numbers() {
+        if (view_.obj) PyBuffer_Release(&view_);
+    }
+
+    std::size_t size() const { return size_; }
+    const Number* begin() const { return data_; }
+    const Number* end() const { return data_ + size_; }
+    Number operator[](std::size_t i) const { return data_[i]; }
+
+   private:
+    bool in_place() {
+        if (!PyObject_CheckBuffer(value_.ptr())) return false;
+        if (PyObject_GetBuffer(value_.ptr(), &view_, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
+            PyErr_Clear();
+            return false;
+        }
+        const std::string format = view_.format ? view_.format : "B";
+        const bool same = std::is_floating_point_v<Number> ? format == "d" : format == "l" || format == "q";
+        if (!same || view_.itemsize != sizeof(Number)) {
+            PyBuffer_Release(&view_);
+            return false;
+        }
+        data_ = static_cast<const Number*>(view_.buf), size_ = static_cast<std::size_t>(view_.len) / sizeof(Number);
+        return true;
+    }
+
+    nb::object value_;
+    Py_buffer view_{};
+    nb::ndarray<const Number, nb::c_contig, nb::device::cpu> converted_;
+    const Number* data_ = nullptr;
+    std::size_t size_ = 0;
+};
 
 Vector doubles(nb::handle problem, const char* name) {
-    const Array array = array_of<Array>(problem, name);
-    return Vector(array.data(), array.data() + array.size());
+    const Numbers<double> numbers(problem, name);
+    return Vector(numbers.begin(), numbers.end());
 }
 
 Indices integers(nb::handle problem, const char* name) {
-    const Integers array = array_of<Integers>(problem, name);
+    const Numbers<std::int64_t> numbers(problem, name);
     Indices result;
-    for (std::size_t i = 0; i < array.size(); ++i) {
-        const std::int64_t value = array.data()[i];
+    result.reserve(numbers.size());
+    for (const std::int64_t value : numbers) {
         const bool fits = value >= std::numeric_limits<int>::min() && value <= std::numeric_limits<int>::max();
         result.push_back(fits ? static_cast<int>(value) : -1);
     }
@@ -71,7 +109,7 @@ void need(bool holds, const char* name) {
 }
 
 std::vector<Demand> demands(nb::handle problem, const char* name) {
-    const Vector table = doubles(problem, name);
+    const Numbers<double> table(problem, name);
     std::vector<Demand> result(table.size() / 2);
     for (std::size_t i = 0; i < result.size(); ++i) {
         const bool used = !std::isnan(table[2 * i]);
@@ -81,9 +119,10 @@ std::vector<Demand> demands(nb::handle problem, const char* name) {
 }
 
 Polygons polygons(nb::handle problem, const char* vertices, const char* first) {
-    const Vector xy = doubles(problem, vertices);
+    const Numbers<double> xy(problem, vertices);
     Polygons result;
     result.first = integers(problem, first);
+    result.x.reserve(xy.size() / 2), result.y.reserve(xy.size() / 2);
     for (std::size_t i = 0; i + 1 < xy.size(); i += 2) result.x.push_back(xy[i]), result.y.push_back(xy[i + 1]);
     return result;
 }
@@ -122,23 +161,24 @@ Problem to_problem(nb::handle from) {
     problem.obstacles = polygons(from, "obstacle_vertices", "obstacle_first");
     problem.radii = doubles(from, "part_radii");
     const Indices pairs = integers(from, "pairs");
-    const Vector origins = doubles(from, "pair_origins"), sides = doubles(from, "pair_sides");
-    const Vector penalties = doubles(from, "pair_penalties");
+    const Numbers<double> origins(from, "pair_origins"), sides(from, "pair_sides"), penalties(from, "pair_penalties");
     need(origins.size() == pairs.size() / 3 * 2 && pairs.size() % 3 == 0, "pair_origins");
     need(sides.size() == origins.size(), "pair_sides");
     need(penalties.size() == origins.size(), "pair_penalties");
+    problem.pairs.reserve(pairs.size() / 3);
     for (std::size_t i = 0; 3 * i < pairs.size(); ++i) {
         const bool soft = !std::isnan(penalties[2 * i]);
         const Penalty penalty{soft ? penalties[2 * i] : 0, soft ? penalties[2 * i + 1] : 0, soft};
         problem.pairs.push_back({pairs[3 * i], pairs[3 * i + 1], pairs[3 * i + 2],
                                  {origins[2 * i], origins[2 * i + 1]}, sides[2 * i], sides[2 * i + 1], 0, penalty});
     }
-    const Vector extras = doubles(from, "pair_extras");
-    need(extras.empty() || extras.size() == problem.pairs.size(), "pair_extras");
+    const Numbers<double> extras(from, "pair_extras");
+    need(extras.size() == 0 || extras.size() == problem.pairs.size(), "pair_extras");
     for (std::size_t i = 0; i < extras.size(); ++i) problem.pairs[i].extra = extras[i];
     const Indices walls = integers(from, "walls");
-    const Vector lines = doubles(from, "wall_lines");
+    const Numbers<double> lines(from, "wall_lines");
     need(walls.size() % 2 == 0 && lines.size() == walls.size() / 2 * 3, "wall_lines");
+    problem.walls.reserve(walls.size() / 2);
     for (std::size_t i = 0; 2 * i < walls.size(); ++i)
         problem.walls.push_back(
             {walls[2 * i], walls[2 * i + 1], {lines[3 * i], lines[3 * i + 1]}, lines[3 * i + 2]});
@@ -277,6 +317,14 @@ Table logged(const std::vector<Record>& log) {
     return tightspot::table(std::move(rows), 10);
 }
 
+/// The largest multiplier of rows and dynamics, 1 if they are smaller.
+double largest_multiplier(const Answer& answer) {
+    double largest = 1;
+    for (const Vector* multipliers : {&answer.z, &answer.lam})
+        for (double multiplier : *multipliers) largest = std::max(largest, std::abs(multiplier));
+    return largest;
+}
+
 nb::dict told(Answer&& answer) {
     nb::dict told;
     if (!answer.flaw.empty()) {
@@ -289,6 +337,7 @@ nb::dict told(Answer&& answer) {
     told["objective"] = outcome.objective, told["violation"] = outcome.violation, told["audited"] = outcome.audited;
     told["stationarity"] = outcome.stationarity, told["complementarity"] = outcome.complementarity;
     told["seconds"] = outcome.seconds, told["build"] = answer.build, told["residual"] = outcome.residual;
+    told["largest_multiplier"] = largest_multiplier(answer);
     told["v"] = flat(std::move(answer.v)), told["s"] = flat(std::move(answer.s)), told["z"] = flat(std::move(answer.z));
     told["zb"] = flat(std::move(answer.zb)), told["lam"] = flat(std::move(answer.lam));
     told["nu"] = flat(std::move(answer.nu)), told["rows"] = flat(std::move(answer.rows));

@@ -118,6 +118,21 @@ def test_arrays_that_do_not_fit_are_named(name, value):
         Stagewise().solve_stages(problem((4, 7, -6, -1.5)).replaced(**{name: value}))
 
 
+def test_arrays_of_other_layouts_and_types_say_the_same():
+    given = problem((4, 7, -6, -1.5))
+    wanted = Stagewise().solve_stages(given)
+    states, inputs = np.asfortranarray(given.states), np.repeat(given.inputs, 2, axis=1)[:, ::2]
+    others = given.replaced(
+        pairs=np.asfortranarray(given.pairs), pieces=given.pieces.astype(np.int32), states=states, inputs=inputs,
+        pair_sides=np.repeat(given.pair_sides, 2, axis=0)[::2],
+    )  # fmt: skip
+    found = Stagewise().solve_stages(others)
+    assert (found.status, found.iterations) == (wanted.status, wanted.iterations)
+    assert (found.point.v == wanted.point.v).all()
+    with pytest.raises(InputError, match="widths is not a contiguous array of the right type"):
+        core_solver(given.replaced(widths="wide"))
+
+
 def test_limits_callback_and_exceptions():
     given = problem((4, 7, -6, -1.5))
     assert Stagewise(max_iterations=2).solve_stages(given).status.name == "ITERATION_LIMIT"

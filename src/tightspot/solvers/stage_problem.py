@@ -165,7 +165,8 @@ class StageProblem:
         states, rest = v[: (steps + 1) * n_x].reshape(steps + 1, n_x), v[(steps + 1) * n_x :]
         inputs, rest = rest[: steps * n_u].reshape(steps, n_u), rest[steps * n_u :]
         lines, penetrations = self._shifted(rest[1 : 1 + 2 * n].reshape(n, 2), 1.0), np.zeros(n)
-        penetrations[self.soft] = rest[1 + 2 * n :]
+        if rest.size > 1 + 2 * n:
+            penetrations[self.soft] = rest[1 + 2 * n :]
         return states, inputs, float(rest[0]), lines, penetrations
 
     def frames(self, final_time: float) -> Array:

@@ -340,14 +340,13 @@ class Stagewise(Solver):
         if status.success and not answer["audited"] <= 100 * self.tolerance:
             status = SolveStatus.NUMERICAL
         told = {} if self.tolerance <= 100 * ROUNDING or not status.success else {"worst": ""}
-        largest = max(1.0, *(float(np.abs(of).max(initial=0.0)) for of in (core.z, core.lam)))
         return StageReport.lazily(
             status=status,
             solver=self.name,
             objective=answer["objective"],
             iterations=answer["iterations"],
             violation=answer["audited"],
-            stationarity=answer["residual"] / largest,
+            stationarity=answer["residual"] / answer["largest_multiplier"],
             timings=timings,
             backend_status=answer["status"],
             problem=problem,

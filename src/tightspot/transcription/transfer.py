@@ -23,8 +23,12 @@ _DIGITS = np.array([2**40, 2**20, 1])  # a pair (interval, part, obstacle part) 
 
 def parents(old: TimeGrid, new: TimeGrid) -> Index:
     """For each interval of the new grid the interval of the old one that holds its middle, (N_new,)."""
-    middles = (new.fractions[:-1] + new.fractions[1:]) / 2
-    return np.minimum(np.maximum(old.fractions.searchsorted(middles, side="right") - 1, 0), old.steps - 1)
+    return _holding(old, (new.fractions[:-1] + new.fractions[1:]) / 2)
+
+
+def _holding(grid: TimeGrid, fractions: Array) -> Index:
+    """For each fraction the interval that holds it."""
+    return np.minimum(np.maximum(grid.fractions.searchsorted(fractions, side="right") - 1, 0), grid.steps - 1)
 
 
 def carry_over(old: Transcription, report: SolveReport, new: Transcription) -> WarmStart:
@@ -63,7 +67,7 @@ def carry_lines(grid: TimeGrid, report: StageReport, problem: StageProblem) -> S
     """
     if report.lines is None or report.pairs is None or not len(report.pairs):
         return problem
-    parent = parents(grid, TimeGrid(np.concatenate([[0.0], problem.widths.cumsum()[:-1], [1.0]])))
+    parent = _holding(grid, problem.widths.cumsum() - problem.widths / 2)
     old = report.pairs @ _DIGITS
     wanted = parent[problem.pairs[:, 0]] * _DIGITS[0] + problem.pairs[:, 1:] @ _DIGITS[1:]
     place = np.minimum(old.searchsorted(wanted), len(old) - 1)

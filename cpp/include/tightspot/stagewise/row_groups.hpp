@@ -77,7 +77,7 @@ class RowGrouping {
     using Kind = std::tuple<bool, bool, bool, bool, int, int, int>;
     struct Line {
         int interval, index, row;  // index: of the pair or wall; row: its first in the problem's order
-        Indices samples;
+        int sample;                // where its samples begin in used_
     };
 
     void find_structure() {
@@ -97,16 +97,18 @@ class RowGrouping {
         for (int k = 0; k < problem_.steps; ++k) out_.coupled[k] |= out_.covered[k];
     }
 
-    Indices used_samples(int k, const std::vector<Demand>& demands) const {
-        Indices used;
+    // Adds an interval's samples with a demand to used_ and tells where they begin there.
+    int use_samples(int k, const std::vector<Demand>& demands) {
+        const int begin = static_cast<int>(used_.size());
         for (int p = layout_.sample[k]; p < layout_.sample[k + 1]; ++p)
-            if (demands[p].used) used.push_back(p);
-        return used;
+            if (demands[p].used) used_.push_back(p);
+        return begin;
     }
 
-    // True for the samples at both knots of an interval and no others.
-    bool at_ends(int k, const Indices& samples) const {
-        return samples.size() == 2 && samples[0] == layout_.sample[k] && samples[1] + 1 == layout_.sample[k + 1];
+    // True if what was used last are the samples at both knots of an interval and no others.
+    bool at_ends(int k, int begin) const {
+        return used_.size() - begin == 2 && used_[begin] == layout_.sample[k] &&
+               used_[begin + 1] + 1 == layout_.sample[k + 1];
     }
 
     // Lines by their kind, in the problem's order.
@@ -114,25 +116,26 @@ class RowGrouping {
         const int parts = problem_.parts.size();
         int row = 0;
         for (int k = 0; k < problem_.steps; ++k) {
-            const Indices wall_samples = used_samples(k, problem_.wall_demands);
-            const Indices pair_samples = used_samples(k, problem_.pair_demands);
+            const int wall_begin = use_samples(k, problem_.wall_demands);
+            const int pair_begin = use_samples(k, problem_.pair_demands);
+            const int samples = static_cast<int>(used_.size()) - pair_begin;
+            const bool both_ends = at_ends(k, pair_begin);
             const bool coupled = out_.coupled[k] != 0;
             out_.first_view.push_back(static_cast<int>(out_.views.size()));
             for (int part = 0; part < parts; ++part) {
                 const int at = k * parts + part, count = problem_.parts.count(part);
-                for (int sample : wall_samples)
+                for (int sample = wall_begin; sample < pair_begin; ++sample)
                     for (int i = layout_.wall[at]; i < layout_.wall[at + 1]; ++i, row += count)
-                        kinds_[{false, false, coupled, false, part, 0, 1}].push_back({k, i, row, {sample}});
+                        kinds_[{false, false, coupled, false, part, 0, 1}].push_back({k, i, row, sample});
                 for (int i = layout_.pair[at]; i < layout_.pair[at + 1]; ++i) {
                     const int corners = problem_.obstacles.count(problem_.pairs[i].obstacle);
-                    const int samples = static_cast<int>(pair_samples.size());
                     const bool soft = layout_.soft[i] >= 0;
                     const Motion* motion = problem_.motion_of(problem_.pairs[i].obstacle);
-                    const bool ends = !soft && !motion && at_ends(k, pair_samples);
-                    kinds_[{true, soft, coupled, ends, part, corners, samples}].push_back({k, i, row, pair_samples});
+                    const bool ends = !soft && !motion && both_ends;
+                    kinds_[{true, soft, coupled, ends, part, corners, samples}].push_back({k, i, row, pair_begin});
                     row += corners + samples * count + (soft ? 1 : 0);
                     if (motion)
-                        for (int sample : pair_samples) add_view({k, sample, motion});
+                        for (int s = 0; s < samples; ++s) add_view({k, used_[pair_begin + s], motion});
                 }
             }
         }
@@ -183,7 +186,7 @@ class RowGrouping {
             out_.group[lines[l].index] = static_cast<int>(out_.pairs.size()), out_.lane[lines[l].index] = l;
         }
         for (int s = 0; s < samples; ++s)
-            for (int l = 0; l < width; ++l) out_.samples.push_back(pose_of(is_pair, lines[l], lines[l].samples[s]));
+            for (int l = 0; l < width; ++l) out_.samples.push_back(pose_of(is_pair, lines[l], used_[lines[l].sample + s]));
         if (is_pair)
             add_pair_numbers(lines, width, corners);
         else
@@ -191,9 +194,9 @@ class RowGrouping {
         const std::vector<Demand>& demands = is_pair ? problem_.pair_demands : problem_.wall_demands;
         for (int s = 0; s < samples; ++s) {
             add_numbers(width, [&](int l) {
-                return demands[lines[l].samples[s]].constant + (is_pair ? problem_.pairs[lines[l].index].extra : 0);
+                return demands[used_[lines[l].sample + s]].constant + (is_pair ? problem_.pairs[lines[l].index].extra : 0);
             });
-            add_numbers(width, [&](int l) { return demands[lines[l].samples[s]].weight; });
+            add_numbers(width, [&](int l) { return demands[used_[lines[l].sample + s]].weight; });
         }
         row_ += rows * width;
         out_.geometry += width * (2 + 4 * samples);
@@ -230,6 +233,7 @@ class RowGrouping {
     const Layout& layout_;
     RowGroups out_;
     std::map<Kind, std::vector<Line>> kinds_;
+    Indices used_;  // of each interval the samples with a demand for walls, then those with one for pairs
     std::map<std::pair<const Motion*, int>, int> view_of_;  // by motion and sample
     int row_ = 0;
 };
