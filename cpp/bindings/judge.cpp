@@ -87,30 +87,33 @@ nb::tuple nearness_of(const Rows2& vertices, const Indices& first, const Rows3Of
     need(per_interval >= 1 && samples > 1 && (samples - 1) % static_cast<std::size_t>(per_interval) == 0,
          "the samples must be so many an interval, and one at the end");
     std::vector<SampledPart> bodies;
+    std::vector<std::size_t> at;
+    for (std::size_t s = 0; s < samples; s += static_cast<std::size_t>(per_interval)) at.push_back(s);
     for (std::size_t i = 0; i < parts.size(); ++i) {
         std::vector<Pose> places;
         places.reserve(samples);
         for (std::size_t s = 0; s < samples; ++s) places.push_back({poses(i, s, 0), poses(i, s, 1), poses(i, s, 2)});
-        bodies.emplace_back(parts[i], places, static_cast<std::size_t>(per_interval));
+        bodies.emplace_back(parts[i], places, at);
     }
     return told(nearness(bodies, obstacles, walls, far));
 }
 
+/// The same at the nodes of a motion.
 template <class Model>
 nb::tuple nearness_along(const Motion<Model>& motion, const Rows2& vertices, const Indices& first, const Indices& frames,
-                         std::int64_t per_interval, const Obstacles& obstacles, const Walls& walls, double far) {
+                         const Obstacles& obstacles, const Walls& walls, double far) {
     const std::vector<Outline> parts = outlines(vertices, first);
     need(!motion.nodes.empty(), "integrate first");
     need(!parts.empty() && parts.size() == frames.size(), "each part needs a frame");
-    need(per_interval >= 1 && per_interval <= 1000, "the samples of an interval must be 1 to 1000");
-    const std::vector<typename Motion<Model>::State> states = motion.sampled(static_cast<int>(per_interval));
     std::vector<SampledPart> bodies;
+    std::vector<std::size_t> at;
+    for (int k = 0; k <= motion.intervals(); ++k) at.push_back(motion.node_at(k));
     for (std::size_t i = 0; i < parts.size(); ++i) {
         need(frames(i) >= 0 && frames(i) < Model::frames, "the model has no such frame");
         std::vector<Pose> places;
-        places.reserve(states.size());
-        for (const auto& state : states) places.push_back(motion.model.frame(state.data(), static_cast<int>(frames(i))));
-        bodies.emplace_back(parts[i], places, static_cast<std::size_t>(per_interval));
+        places.reserve(motion.node_states.size());
+        for (const auto& state : motion.node_states) places.push_back(motion.model.frame(state.data(), static_cast<int>(frames(i))));
+        bodies.emplace_back(parts[i], places, at);
     }
     return told(nearness(bodies, obstacles, walls, far));
 }
@@ -171,8 +174,7 @@ void bind_motion(nb::module_& m, const char* name) {
                  for (std::size_t i = 0; i < times.size(); ++i) found.push_back(self.at(times(i)));
                  return states<Model>(found);
              })
-        .def("nearness", &nearness_along<Model>, "vertices"_a, "first"_a, "frames"_a, "per_interval"_a, "obstacles"_a,
-             "walls"_a, "far"_a)
+        .def("nearness", &nearness_along<Model>, "vertices"_a, "first"_a, "frames"_a, "obstacles"_a, "walls"_a, "far"_a)
         .def_prop_ro(
             "substeps",
             [](const M& self) { return column(std::vector<std::int64_t>(self.substeps.begin(), self.substeps.end())); },

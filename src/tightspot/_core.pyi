@@ -119,7 +119,6 @@ class JudgeSingleTrackMotion:
         vertices: Array,
         first: NDArray[np.int64],
         frames: NDArray[np.int64],
-        per_interval: int,
         obstacles: JudgeObstacles,
         walls: JudgeWalls,
         far: float,

@@ -260,16 +260,16 @@ def test_nearness_on_intervals_is_the_least_of_the_samples(kit, monkeypatch, see
 
 
 @pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("per_interval", [1, 3, 12])
-def test_nearness_along_a_motion_is_that_of_its_states(kit, seed, per_interval):
+def test_nearness_along_a_motion_is_that_at_its_nodes(kit, in_numpy, seed):
     for car in (kit.box_car(), articulated(kit)):
         trajectory = kit.wander(car, 5 + seed)
         scenario = crowded(kit, np.random.default_rng(seed), trajectory, 6, clear=[6.0, 0.5][seed % 2])
-        motion, t = replay(car, trajectory), trajectory.t
-        inner = t[:-1, None] + np.diff(t)[:, None] * (np.arange(per_interval) / per_interval)
-        times = np.append(inner.ravel(), t[-1])
-        mine = nearness_along(motion, per_interval, scenario, lambda times=times: times)
-        its = nearness(motion.at(times), per_interval, scenario, car)
+        motion, numpy_motion = replay(car, trajectory), in_numpy(replay, car, trajectory)
+        mine, its = nearness_along(motion, scenario), nearness_along(numpy_motion, scenario)
+        first, samples = motion.first_nodes, sampled_clearance(motion.node_states, scenario, car)
+        for k in range(trajectory.steps):
+            inside = samples[first[k] : first[k + 1] + 1, :, mine.near]
+            np.testing.assert_allclose(mine.clearances[k], inside.min(axis=0), atol=1e-12)
         assert np.array_equal(mine.near, its.near)
         for one, other in zip(
             (mine.apart, mine.clearances, mine.depths), (its.apart, its.clearances, its.depths), strict=True

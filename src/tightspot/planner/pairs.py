@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,6 @@ from tightspot.verification.sampled import Nearness, nearness, nearness_along
 Array = NDArray[np.float64]
 
 GUESS_SAMPLES = 4
-REPLAY_SAMPLES = 12
 SURE = 1e-5
 """More than rounding and the integration's error make of a distance, m."""
 
@@ -98,8 +96,7 @@ class Room:
     @classmethod
     def of_replay(cls, replay: Replay, scenario: Scenario, vehicle: VehicleModel) -> Room:
         """Of the replayed motion on its own intervals."""
-        times = partial(_subdivided, replay.trajectory.t, REPLAY_SAMPLES)
-        return cls._of(nearness_along(replay, REPLAY_SAMPLES, scenario, times))
+        return cls._of(nearness_along(replay, scenario))
 
     @classmethod
     def _of(cls, found: Nearness) -> Room:

@@ -134,12 +134,12 @@ def nearness(
 
 
 def nearness_along(
-    motion: Motion, vehicle: SingleTrack, per_interval: int, barriers: JudgeObstacles, edges: JudgeWalls, far: float
+    motion: Motion, vehicle: SingleTrack, barriers: JudgeObstacles, edges: JudgeWalls, far: float
 ) -> tuple[NDArray[np.int64], Array, Array, Array]:
-    """:func:`nearness` of the vehicle's parts on its motion, at the beginnings of equal parts of each interval."""
+    """:func:`nearness` of the vehicle's parts on its motion, at the nodes of its integration."""
     stack = vehicle.part_stack
     result: tuple[NDArray[np.int64], Array, Array, Array] = motion.nearness(
-        stack.vertices, stack.first, _frames(stack), per_interval, barriers, edges, far
+        stack.vertices, stack.first, _frames(stack), barriers, edges, far
     )
     return result
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,19 +113,21 @@ def nearness(states: Array, per_interval: int, scenario: Scenario, vehicle: Vehi
     return _shaped(nearby, (len(states) - 1) // per_interval, len(parts), scenario)
 
 
-def nearness_along(
-    motion: Replay, per_interval: int, scenario: Scenario, times: Callable[[], Array], far: float = FAR
-) -> Nearness:
-    """Of a replayed motion on the intervals between its knots, at the beginnings of equal parts of each and at the end.
-
-    ``times`` of these are asked for where the core does not know the model.
-    """
+def nearness_along(motion: Replay, scenario: Scenario, far: float = FAR) -> Nearness:
+    """Of a replayed motion on the intervals between its knots, at the nodes of its integration."""
     vehicle = motion.vehicle
     if motion.core is None or not isinstance(vehicle, SingleTrack):
-        return nearness(motion.at(times()), per_interval, scenario, vehicle, far)
+        near, apart, found = near_clearance(motion.node_states, scenario, vehicle, far)
+        depths = sampled_room(motion.node_states, scenario, vehicle)
+        return Nearness(near, apart, *(_least(each, motion.first_nodes) for each in (found, depths)))
     barriers = compiled.obstacles(scenario.obstacle_polygons), compiled.walls(scenario.workspace)
-    found = compiled.nearness_along(motion.core, vehicle, per_interval, *barriers, far)
-    return _shaped(found, motion.trajectory.steps, len(vehicle.parts), scenario)
+    nearby = compiled.nearness_along(motion.core, vehicle, *barriers, far)
+    return _shaped(nearby, motion.trajectory.steps, len(vehicle.parts), scenario)
+
+
+def _least(samples: Array, first: NDArray[np.intp]) -> Array:
+    """Smallest value on each interval of samples ``first[k]`` to ``first[k + 1]``, (N, ...)."""
+    return np.asarray(np.minimum(np.minimum.reduceat(samples[:-1], first[:-1], axis=0), samples[first[1:]]))
 
 
 _Found = tuple[NDArray[np.int64], Array, Array, Array]

@@ -68,25 +68,16 @@ class Motion {
         const auto above = std::upper_bound(nodes.begin(), nodes.end(), time);
         const auto last = static_cast<std::ptrdiff_t>(nodes.size()) - 2;
         const auto left = std::clamp<std::ptrdiff_t>(above - nodes.begin() - 1, 0, last);
-        return stepped(static_cast<int>(left), node_interval_[left], time);
+        const auto nearest = left + (time - nodes[left] > nodes[left + 1] - time ? 1 : 0);
+        State state;
+        const double* from = node_states[nearest].data();
+        double turning = model.turning(from);
+        model.runge_kutta(from, input(node_interval_[left]), time - nodes[nearest], turning, state.data());
+        return state;
     }
 
-    /// The states at the beginnings of `count` equal parts of each interval, and at the end, as by `at`.
-    std::vector<State> sampled(int count) const {
-        std::vector<State> found;
-        found.reserve(static_cast<std::size_t>(intervals()) * count + 1);
-        for (int k = 0; k < intervals(); ++k) {
-            const double length = t[k + 1] - t[k], step = length / substeps[k];
-            found.push_back(knot(k));
-            for (int i = 1; i < count; ++i) {
-                const double time = t[k] + length * (static_cast<double>(i) / count);
-                const int left = std::min(static_cast<int>((time - t[k]) / step), substeps[k] - 1);
-                found.push_back(stepped(first_node_[k] + left, k, time));
-            }
-        }
-        found.push_back(node_states.back());
-        return found;
-    }
+    /// Index of the node at a knot.
+    std::size_t node_at(int k) const { return static_cast<std::size_t>(first_node_[k]); }
 
     const State& knot(int k) const { return node_states[first_node_[k]]; }
 
@@ -107,16 +98,6 @@ class Motion {
     double position_error = 0, heading_error = 0;
 
    private:
-    /// One step from the nearer one of the nodes `left` and the next, both of the interval.
-    State stepped(int left, int interval, double time) const {
-        const int nearest = left + (time - nodes[left] > nodes[left + 1] - time ? 1 : 0);
-        State state;
-        const double* from = node_states[nearest].data();
-        double turning = model.turning(from);
-        model.runge_kutta(from, input(interval), time - nodes[nearest], turning, state.data());
-        return state;
-    }
-
     static double sum(const std::vector<double>& steps) {
         double total = 0;
         for (double count : steps) total += count;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "tightspot/judge/barriers.hpp"
@@ -39,16 +40,16 @@ inline std::vector<double> sampled_depths(const Outline& part, const std::vector
     return found;
 }
 
-/// A body part at samples of a motion, `per_interval` an interval and one at the end.
+/// A body part at samples of a motion; those of interval k are `first[k]` to `first[k + 1]`, both included.
 struct SampledPart {
     const Outline& part;
-    std::size_t per_interval;
+    std::vector<std::size_t> first;
     std::vector<Placement> placements;
     std::vector<Box> boxes;
     Box whole;  ///< around all of them
 
-    SampledPart(const Outline& of, const std::vector<Pose>& poses, std::size_t samples_per_interval)
-        : part(of), per_interval(samples_per_interval), whole(Box::of({})) {
+    SampledPart(const Outline& of, const std::vector<Pose>& poses, std::vector<std::size_t> first_of_intervals)
+        : part(of), first(std::move(first_of_intervals)), whole(Box::of({})) {
         placements.reserve(poses.size()), boxes.reserve(poses.size());
         for (const Pose& pose : poses) {
             placements.push_back(Placement::of(pose));
@@ -57,7 +58,7 @@ struct SampledPart {
         }
     }
 
-    std::size_t intervals() const { return (placements.size() - 1) / per_interval; }
+    std::size_t intervals() const { return first.size() - 1; }
 
     const std::vector<Point>& corners(std::size_t sample) {
         corners_.clear();
@@ -96,10 +97,10 @@ void least_clearances(const SampledPart& body, const Obstacles& obstacles, int o
     for (std::size_t k = 0; k < body.intervals(); ++k) {
         const Line before = after;
         const double at_start = at_end;
-        at_end = look((k + 1) * body.per_interval, infinity, after);
+        at_end = look(body.first[k + 1], infinity, after);
         Line nearer = at_start < at_end ? before : after;
         double least = std::min(at_start, at_end);
-        for (std::size_t s = k * body.per_interval + 1; s < (k + 1) * body.per_interval; ++s)
+        for (std::size_t s = body.first[k] + 1; s < body.first[k + 1]; ++s)
             least = std::min(least, look(s, least, nearer));
         keep(k, least);
     }
@@ -110,14 +111,15 @@ template <class Keep>
 void least_depths(SampledPart& body, const Walls& walls, Keep&& keep) {
     const std::size_t edges = walls.normals.size();
     std::vector<double> depths;
+    depths.reserve(body.placements.size() * edges);
     for (std::size_t s = 0; s < body.placements.size(); ++s) {
         const std::vector<Point>& corners = body.corners(s);
         for (std::size_t w = 0; w < edges; ++w) depths.push_back(lowest(walls.normals[w], corners) - walls.supports[w]);
     }
     for (std::size_t k = 0; k < body.intervals(); ++k)
         for (std::size_t w = 0; w < edges; ++w) {
-            double least = depths[k * body.per_interval * edges + w];
-            for (std::size_t s = k * body.per_interval + 1; s <= (k + 1) * body.per_interval; ++s)
+            double least = depths[body.first[k] * edges + w];
+            for (std::size_t s = body.first[k] + 1; s <= body.first[k + 1]; ++s)
                 least = std::min(least, depths[s * edges + w]);
             keep(k, w, least);
         }
