@@ -235,11 +235,14 @@ Polygons polygons(const Array& vertices, const Integers& first, const char* what
     return result;
 }
 
-// (phi, offset, x, y, gap) of every pair: see start_lines.hpp. `frames` holds the poses (x, y, theta) of each moving
-// obstacle's frame at all samples; of the intervals `at_end` only the last sample counts.
-Table start_lines(const Array& states, const Integers& pieces, const Integers& at_end, const Array& part_vertices,
-                  const Integers& part_first, const Array& obstacle_vertices, const Integers& obstacle_first,
-                  const Integers& pairs, const Integers& moving, const Array& frames) {
+using Flags = nb::ndarray<const bool, nb::c_contig, nb::device::cpu>;
+
+// Of every pair (phi, offset), the point (x, y), and by how much the two overlap: see start_lines.hpp. `frames` holds the
+// poses (x, y, theta) of each moving obstacle's frame at all samples; of the intervals that are not `whole` only the last
+// sample counts.
+nb::tuple start_lines(const Array& states, const Integers& pieces, const Flags& whole, const Array& part_vertices,
+                      const Integers& part_first, const Array& obstacle_vertices, const Integers& obstacle_first,
+                      const Integers& pairs, const Integers& moving, const Array& frames) {
     const Polygons parts = polygons(part_vertices, part_first, "part_vertices");
     const Polygons obstacles = polygons(obstacle_vertices, obstacle_first, "obstacle_vertices");
     const Indices each = integers(pieces), wanted = integers(pairs);
@@ -256,17 +259,13 @@ Table start_lines(const Array& states, const Integers& pieces, const Integers& a
         need(obstacle >= 0 && obstacle < obstacles.size(), "motion_obstacles");
         frame_of[static_cast<std::size_t>(obstacle)] = static_cast<int>(i);
     }
-    std::vector<char> whole(each.size(), 1);
-    for (std::size_t i = 0; i < at_end.size(); ++i) {
-        const std::int64_t k = at_end.data()[i];
-        need(k >= 0 && k < steps, "at_end");
-        whole[static_cast<std::size_t>(k)] = 0;
-    }
+    need(whole.size() == each.size(), "whole");
+    const std::vector<char> at_all(whole.data(), whole.data() + whole.size());
     need(wanted.size() % 3 == 0, "pairs");
-    const GuessedMotion motion{states.data(), static_cast<int>(states.shape(1)), each, whole};
+    const GuessedMotion motion{states.data(), static_cast<int>(states.shape(1)), each, at_all};
     StartLines lines(parts, obstacles);
-    Vector result;
-    result.reserve(wanted.size() / 3 * 5);
+    Vector found, points, overlaps;
+    found.reserve(wanted.size() / 3 * 2), points.reserve(wanted.size() / 3 * 2), overlaps.reserve(wanted.size() / 3);
     for (std::size_t i = 0; i < wanted.size(); i += 3) {
         const int k = wanted[i], part = wanted[i + 1], obstacle = wanted[i + 2];
         need(k >= 0 && k < steps && part >= 0 && part < parts.size() && obstacle >= 0 && obstacle < obstacles.size(),
@@ -274,9 +273,12 @@ Table start_lines(const Array& states, const Integers& pieces, const Integers& a
         const int frame = frame_of[obstacle];
         const double* poses = frame < 0 ? nullptr : frames.data() + 3 * (frame * first.back() + first[k]);
         const StartLine line = lines.of(motion, k, part, obstacle, poses);
-        for (double number : {line.phi, line.offset, line.x, line.y, line.gap}) result.push_back(number);
+        found.push_back(line.phi), found.push_back(line.offset);
+        points.push_back(line.x), points.push_back(line.y);
+        overlaps.push_back(std::max(-line.gap, 0.0));
     }
-    return tightspot::table(std::move(result), 5);
+    return nb::make_tuple(tightspot::table(std::move(found), 2), tightspot::table(std::move(points), 2),
+                          flat(std::move(overlaps)));
 }
 
 // What a solve came to; of rows in the problem's order.
@@ -609,6 +611,6 @@ void TIGHTSPOT_BIND_STAGEWISE(nb::module_& m) {
         .def(nb::init<double, double, double, bool, bool>(), "margin"_a, "end_margin"_a, "workspace_margin"_a,
              "start_given"_a, "goal_given"_a);
     m.def("stagewise_rows", &rows, "active"_a, "walls"_a, "normals"_a, "offsets"_a, "poses"_a, "clearances"_a);
-    m.def("stagewise_start_lines", &start_lines, "states"_a, "pieces"_a, "at_end"_a, "part_vertices"_a, "part_first"_a,
+    m.def("stagewise_start_lines", &start_lines, "states"_a, "pieces"_a, "whole"_a, "part_vertices"_a, "part_first"_a,
           "obstacle_vertices"_a, "obstacle_first"_a, "pairs"_a, "motion_obstacles"_a, "motion_poses"_a);
 }

@@ -51,15 +51,10 @@ def start_lines(
     Obstacles that move (``moving``, (M,)) have lines and points in their frames, whose poses at each sample are
     ``frames``, (M, S, 3).
     """
-    states = np.ascontiguousarray(states)
     polygons = (part_vertices, part_first, obstacle_vertices, obstacle_first)
     moving = np.zeros(0, np.int64) if moving is None else moving
     frames = np.zeros((0, 0, 3)) if frames is None else frames
-    table = compiled().stagewise_start_lines(
-        states, pieces, np.flatnonzero(~whole), *polygons, np.ascontiguousarray(pairs), moving, frames
-    )
-    overlaps = np.maximum(0.0, -table[:, 4])
-    return StartLines(np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:4]), overlaps)
+    return StartLines(*compiled().stagewise_start_lines(states, pieces, whole, *polygons, pairs, moving, frames))
 
 
 def with_states(problem: StageProblem, states: Array, inputs: Array, final_time: float) -> StageProblem:

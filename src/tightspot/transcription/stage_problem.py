@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -121,7 +122,7 @@ def _arrays(
     low[2], high[2] = max(low[2], -settings.heading_limit), min(high[2], settings.heading_limit)
     states = np.minimum(np.maximum(guess.states, low), high)
     for k, state in ((0, start), (-1, goal)):
-        states[k] = np.where(np.isnan(state), states[k], state)
+        np.copyto(states[k], state, where=~np.isnan(state))
     time_low, time_high = settings.final_time_bounds
     steering = vehicle.limits.steering
     parts = vehicle.part_stack
@@ -182,5 +183,5 @@ def _arrays(
 def _clearances(settings: Settings, start: Array, goal: Array) -> Any:
     """What is demanded, as the core takes it."""
     end_margin = settings.margin if settings.end_margin is None else settings.end_margin
-    given = (not np.isnan(start[:3]).any(), not np.isnan(goal[:3]).any())
+    given = (not any(map(isnan, end[:3].tolist())) for end in (start, goal))
     return compiled().Clearances(settings.margin, end_margin, settings.workspace_margin, *given)

@@ -31,7 +31,8 @@ class Newton {
         for (Vector* rows : {&D_, &b_, &row_residual_, &inverse_}) rows->assign(layout_.rows, 0);
         bound_inverse_.assign(bounds_.size(), 0);
         bound_diagonal_.assign(layout_.line, 0), bound_gradient_.assign(layout_.line, 0);
-        for (int i = 0; i < layout_.line; ++i) free_.push_back(fixed(i) ? 0.0 : 1.0);
+        free_.resize(layout_.line);
+        for (int i = 0; i < layout_.line; ++i) free_[i] = fixed(i) ? 0.0 : 1.0;
         goal_residual_.assign(S::nx, 0);
     }
     Newton(const Newton&) = delete;

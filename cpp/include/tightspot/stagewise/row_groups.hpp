@@ -176,6 +176,8 @@ class RowGrouping {
         group.line = static_cast<int>(out_.intervals.size());
         group.sample = static_cast<int>(out_.samples.size());
         group.number = static_cast<int>(out_.numbers.size());
+        out_.numbers.resize(out_.numbers.size() + width * ((is_pair ? 4 + 2 * corners : 3) + 2 * samples));
+        next_ = out_.numbers.data() + group.number;
         const int rows = corners + samples * problem_.parts.count(part) + (soft ? 1 : 0);
         for (int l = 0; l < width; ++l) {
             out_.intervals.push_back(lines[l].interval), out_.line_pairs.push_back(is_pair ? lines[l].index : -1);
@@ -206,7 +208,7 @@ class RowGrouping {
 
     template <class Number>
     void add_numbers(int width, Number&& number) {
-        for (int l = 0; l < width; ++l) out_.numbers.push_back(number(l));
+        for (int l = 0; l < width; ++l) *next_++ = number(l);
     }
 
     void add_wall_numbers(const Line* lines, int width) {
@@ -235,6 +237,7 @@ class RowGrouping {
     std::map<Kind, std::vector<Line>> kinds_;
     Indices used_;  // of each interval the samples with a demand for walls, then those with one for pairs
     std::map<std::pair<const Motion*, int>, int> view_of_;  // by motion and sample
+    double* next_ = nullptr;  // where the group's next number goes in out_.numbers
     int row_ = 0;
 };
 
