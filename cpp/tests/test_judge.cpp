@@ -252,7 +252,9 @@ TEST(nearness_on_intervals_is_the_least_of_the_samples) {
     }
     for (const double far : {0.5, 8.0, 1e9}) {
         std::vector<SampledPart> bodies;
-        for (const Outline& part : parts) bodies.emplace_back(part, poses, each);
+        std::vector<std::size_t> first;
+        for (std::size_t k = 0; k <= intervals; ++k) first.push_back(k * each);
+        for (const Outline& part : parts) bodies.emplace_back(part, poses, first);
         const Nearness found = nearness(bodies, obstacles, walls, far);
         CHECK(found.near.size() == (far > 1e8 ? 3u : 2u));
         for (std::size_t i = 0; i < parts.size(); ++i) {
