@@ -102,7 +102,13 @@ Indices integers(nb::handle problem, const char* name) {
     return result;
 }
 
-double number(nb::handle problem, const char* name) { return nb::cast<double>(problem.attr(name)); }
+template <class Number = double>
+Number number(nb::handle problem, const char* name) {
+    Number value;
+    if (!nb::try_cast(problem.attr(name), value))
+        throw nb::value_error((std::string("stage problem: ") + name + " is not a number or truth value as needed").c_str());
+    return value;
+}
 
 void need(bool holds, const char* name) {
     if (!holds) throw nb::value_error((std::string("stage problem: ") + name + " has a shape that does not fit").c_str());
@@ -152,7 +158,7 @@ Problem to_problem(nb::handle from) {
     problem.pieces = integers(from, "pieces"), problem.substeps = integers(from, "substeps");
     problem.parameters = doubles(from, "parameters");
     problem.time_weight = number(from, "time_weight"), problem.input_weights = doubles(from, "input_weights");
-    problem.time_scaled = nb::cast<bool>(from.attr("time_scaled"));
+    problem.time_scaled = number<bool>(from, "time_scaled");
     problem.state_low = doubles(from, "state_low"), problem.state_high = doubles(from, "state_high");
     problem.input_low = doubles(from, "input_low"), problem.input_high = doubles(from, "input_high");
     problem.time_low = number(from, "time_low"), problem.time_high = number(from, "time_high");

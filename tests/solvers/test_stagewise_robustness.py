@@ -129,8 +129,9 @@ def test_arrays_of_other_layouts_and_types_say_the_same():
     found = Stagewise().solve_stages(others)
     assert (found.status, found.iterations) == (wanted.status, wanted.iterations)
     assert (found.point.v == wanted.point.v).all()
-    with pytest.raises(InputError, match="widths is not a contiguous array of the right type"):
-        core_solver(given.replaced(widths="wide"))
+    for name in ("widths", "time_low", "time_scaled"):
+        with pytest.raises(InputError, match=f"{name} is not a"):
+            core_solver(given.replaced(**{name: "text"}))
 
 
 def test_limits_callback_and_exceptions():
