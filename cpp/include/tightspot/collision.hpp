@@ -39,8 +39,8 @@ public:
         const double c = std::cos(pose.theta), s = std::sin(pose.theta);
         const Point middle{pose.x + c * footprint_.centre.x - s * footprint_.centre.y,
                            pose.y + s * footprint_.centre.x + c * footprint_.centre.y};
-        bool is_placed = false;
-        const auto place_once = [&] {
+        bool has_vertices = false, has_edges = false;
+        const auto place_once = [&](bool& is_placed, auto place) {
             if (is_placed) return;
             is_placed = true;
             for (std::size_t i = 0; i < placed_.size(); ++i) place(footprint_.parts[i], pose, c, s, placed_[i]);
@@ -48,15 +48,18 @@ public:
         double best = horizon_;
         for (std::size_t w = 0; w < workspace_.size(); ++w) {
             if (workspace_.offsets[w] - dot(workspace_.normals[w], middle) - footprint_.radius >= best) continue;
-            place_once();
+            place_once(has_vertices, place_vertices);
             best = std::min(best, wall_clearance(w) + border_tolerance);
             if (best <= 0.0) return best;
         }
         for (const int j : map_.near(middle)) {
             const Polygon& obstacle = map_[j];
-            if (circle_bound(obstacle, middle) - margin_ >= best) continue;
+            const FacingEdge facing = facing_edge(obstacle, middle);
+            if (facing.distance - footprint_.radius - margin_ >= best) continue;
             ++pair_tests_;
-            place_once();
+            place_once(has_vertices, place_vertices);
+            if (is_beyond(obstacle, facing.index, best + margin_)) continue;
+            place_once(has_edges, place_edges);
             for (const Polygon& part : placed_)
                 best = std::min(best, clearance_up_to(part, obstacle, best + margin_) - margin_);
             if (best <= 0.0) return best;
@@ -176,11 +179,25 @@ private:
         return workspace_.offsets[wall] - outermost;
     }
 
-    double circle_bound(const Polygon& obstacle, Point middle) const {
-        double farthest = -HUGE_VAL;
-        for (std::size_t i = 0; i < obstacle.size(); ++i)
-            farthest = std::max(farthest, dot(obstacle.normals[i], middle) - obstacle.offsets[i]);
-        return farthest - footprint_.radius;
+    /// The edge line that a point is farthest beyond, and how far.
+    struct FacingEdge {
+        std::size_t index;
+        double distance;
+    };
+
+    static FacingEdge facing_edge(const Polygon& obstacle, Point middle) {
+        FacingEdge farthest{0, -HUGE_VAL};
+        for (std::size_t i = 0; i < obstacle.size(); ++i) {
+            const double distance = dot(obstacle.normals[i], middle) - obstacle.offsets[i];
+            if (distance > farthest.distance) farthest = {i, distance};
+        }
+        return farthest;
+    }
+
+    /// Whether all of the placed body is at least so far beyond an obstacle's edge line.
+    bool is_beyond(const Polygon& obstacle, std::size_t edge, double distance) const {
+        return std::all_of(placed_.begin(), placed_.end(),
+                           [&](const Polygon& part) { return beyond_edge(obstacle, edge, part) >= distance; });
     }
 
     /// A lower bound of the signed distance that is above the margin whenever the distance is.

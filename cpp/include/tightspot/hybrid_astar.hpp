@@ -40,7 +40,7 @@ public:
         cells_.size = options.cell;
         cells_.heading_bins = options.heading_bins;
         for (const double length : {options.step, -options.step, 2.0 * options.step, -2.0 * options.step})
-            for (const double part : options.steering) moves_.push_back({length, options.full_curvature * part});
+            for (const double part : options.steering) add_move({length, options.full_curvature * part});
     }
 
     SearchResult run(const Pose& start, const Pose& goal, const Interrupt& interrupt = {}) {
@@ -63,6 +63,28 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
+
+    /// An arc with its chord. Its twin is the arc with the opposite chord, if that is an earlier move, or itself.
+    struct Move {
+        Arc arc;
+        Chord chord;
+        std::size_t twin = 0;
+
+        Move halved() const {
+            const Arc half{0.5 * arc.length, arc.curvature};
+            return {half, Chord(half)};
+        }
+    };
+
+    void add_move(Arc arc) {
+        const Chord chord(arc);
+        std::size_t twin = 0;
+        while (twin < moves_.size() && (moves_[twin].chord.length != -chord.length ||
+                                        moves_[twin].chord.half_turn != chord.half_turn))
+            ++twin;
+        moves_.push_back({arc, chord, twin});
+        shifts_.emplace_back();
+    }
 
     /// A pose that the vehicle can get to.
     struct Node {
@@ -137,9 +159,9 @@ private:
     /// The node that a move leads to; -1 if something is in the way or its cell is known to be reached more cheaply.
     int follow(const OpenEntry& entry) {
         const Node& from = nodes_[entry.node];
-        Arc move = moves_[entry.move];
-        for (int halved = 0; halved <= options_.halvings; ++halved, move.length *= 0.5) {
-            std::optional<Node> node = after(from, move, halved > 0);
+        Move move = moves_[entry.move];
+        for (int halved = 0; halved <= options_.halvings; ++halved, move = move.halved()) {
+            std::optional<Node> node = after(from, move, move.chord.shift(from.pose.theta), halved > 0);
             if (!node) return -1;
             if (!checker_.arc_is_free(from.pose, node->arc, from.slack, node->slack)) continue;
             node->parent = entry.node;
@@ -149,12 +171,12 @@ private:
         return -1;
     }
 
-    /// The node at a move's end, unchecked; none if its cell is reached as cheaply.
-    std::optional<Node> after(const Node& from, Arc move, bool is_halved) const {
-        const Arc driven{time_ * move.length, move.curvature};
+    /// The node at a move's end, unchecked; none if its cell is reached as cheaply. `shift`: its chord, as it lies there.
+    std::optional<Node> after(const Node& from, const Move& move, Point shift, bool is_halved) const {
+        const Arc driven{time_ * move.arc.length, move.arc.curvature};
         Node node;
-        node.pose = advance(from.pose, move);
-        node.arc = move;
+        node.pose = move.chord.end(from.pose, shift);
+        node.arc = move.arc;
         node.gear = MotionCost::gear(driven);
         node.cost = from.cost + options_.cost.step(from.motion(), driven);
         node.cell = cells_.key(node.pose, node.gear, is_halved);
@@ -172,6 +194,8 @@ private:
         words_.clear();
         double cheapest = HUGE_VAL;
         reeds_shepp::for_each_word(relative(node.pose, target_), radius_, [&](const Word& word) {
+            const double way = word.length() * radius_;
+            if (way >= cheapest && !is_better(node.cost + way)) return;
             const double cost = options_.cost.word(word, radius_, node.motion(), time_);
             cheapest = std::min(cheapest, cost);
             if (is_better(node.cost + cost) && keeps_gears(node, word)) words_.push_back({node.cost + cost, word});
@@ -197,7 +221,10 @@ private:
         const std::size_t half = moves_.size() / 2;
         const std::size_t first = from.slack > open_space * checker_.horizon() ? half : 0;
         for (std::size_t i = first; i < first + half; ++i) {
-            const std::optional<Node> node = after(from, moves_[i], false);
+            const Move& move = moves_[i];
+            const Point opposite = shifts_[move.twin];
+            shifts_[i] = move.twin < i ? Point{-opposite.x, -opposite.y} : move.chord.shift(from.pose.theta);
+            const std::optional<Node> node = after(from, move, shifts_[i], false);
             if (!node) continue;
             if (from.parent < 0 && gears_.first != 0 && node->gear != gears_.first) continue;
             const double way = explores_ ? 0.0 : grid.lower_bound({node->pose.x, node->pose.y});
@@ -215,7 +242,7 @@ private:
             const Node& node = nodes_[entry.node];
             double cost = node.cost;
             if (entry.is_move()) {
-                const Arc move = moves_[entry.move];
+                const Arc move = moves_[entry.move].arc;
                 cost += options_.cost.step(node.motion(), {time_ * move.length, move.curvature});
             }
             return cost + growth * (entry.total - cost);
@@ -275,7 +302,8 @@ private:
     double radius_;
     int time_;        ///< -1 if the search runs against the vehicle's motion
     EndGears gears_;  ///< in the search's order
-    std::vector<Arc> moves_;  ///< the second half is twice as long
+    std::vector<Move> moves_;    ///< the second half is twice as long
+    std::vector<Point> shifts_;  ///< of the moves from a pose that is expanded
     PoseCells cells_;
     Pose target_;
     Clock::time_point began_;

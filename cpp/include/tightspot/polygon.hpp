@@ -52,24 +52,40 @@ struct Polygon {
     }
 };
 
-/// Writes `local`, moved to `pose`, into `placed`, which must have as many vertices.
-inline void place(const Polygon& local, const Pose& pose, double cosine, double sine, Polygon& placed) {
+/// Writes the vertices of `local`, moved to `pose`, into `placed`, which must have as many.
+inline void place_vertices(const Polygon& local, const Pose& pose, double cosine, double sine, Polygon& placed) {
     for (std::size_t i = 0; i < local.size(); ++i) {
-        const Point v = local.vertices[i], n = local.normals[i];
+        const Point v = local.vertices[i];
         placed.vertices[i] = {pose.x + cosine * v.x - sine * v.y, pose.y + sine * v.x + cosine * v.y};
+    }
+}
+
+/// The same for the edges.
+inline void place_edges(const Polygon& local, const Pose& pose, double cosine, double sine, Polygon& placed) {
+    for (std::size_t i = 0; i < local.size(); ++i) {
+        const Point n = local.normals[i];
         placed.normals[i] = {cosine * n.x - sine * n.y, sine * n.x + cosine * n.y};
         placed.offsets[i] = local.offsets[i] + placed.normals[i].x * pose.x + placed.normals[i].y * pose.y;
     }
 }
 
+/// Both.
+inline void place(const Polygon& local, const Pose& pose, double cosine, double sine, Polygon& placed) {
+    place_vertices(local, pose, cosine, sine, placed);
+    place_edges(local, pose, cosine, sine, placed);
+}
+
+/// The distance from an edge line of `a` to the nearest vertex of `b`; negative if that is behind it.
+inline double beyond_edge(const Polygon& a, std::size_t edge, const Polygon& b) {
+    double nearest = HUGE_VAL;
+    for (const Point& q : b.vertices) nearest = std::min(nearest, dot(a.normals[edge], q));
+    return nearest - a.offsets[edge];
+}
+
 /// The largest distance from an edge line of `a` to the nearest vertex of `b`, stopping early once above `enough`.
 inline double edge_separation(const Polygon& a, const Polygon& b, double enough) {
     double best = -HUGE_VAL;
-    for (std::size_t i = 0; i < a.size() && best < enough; ++i) {
-        double nearest = HUGE_VAL;
-        for (const Point& q : b.vertices) nearest = std::min(nearest, dot(a.normals[i], q));
-        best = std::max(best, nearest - a.offsets[i]);
-    }
+    for (std::size_t i = 0; i < a.size() && best < enough; ++i) best = std::max(best, beyond_edge(a, i, b));
     return best;
 }
 

@@ -30,14 +30,29 @@ struct Arc {
 /// The angle modulo 2 pi in [-pi, pi].
 inline double wrap_angle(double angle) { return std::remainder(angle, 2.0 * pi); }
 
+/// The straight line to an arc's end: its signed length, and the angle from the heading to it, half of the arc's turn.
+struct Chord {
+    double length, half_turn;
+
+    explicit Chord(Arc arc) : length(arc.length), half_turn(0.5 * arc.length * arc.curvature) {
+        length *= std::abs(half_turn) < 1e-4 ? 1.0 - half_turn * half_turn / 6.0 : std::sin(half_turn) / half_turn;
+    }
+
+    /// From its start to its end, if it starts with that heading.
+    Point shift(double heading) const {
+        const double direction = heading + half_turn;
+        return {length * std::cos(direction), length * std::sin(direction)};
+    }
+
+    Pose end(const Pose& start, Point shift) const {
+        return {start.x + shift.x, start.y + shift.y, start.theta + 2.0 * half_turn};
+    }
+};
+
 /// The pose after driving along `arc` from `pose`; the heading is not wrapped.
 inline Pose advance(const Pose& pose, Arc arc) {
-    const double half_turn = 0.5 * arc.length * arc.curvature;
-    const double sinc =
-        std::abs(half_turn) < 1e-4 ? 1.0 - half_turn * half_turn / 6.0 : std::sin(half_turn) / half_turn;
-    const double chord = arc.length * sinc;
-    const double direction = pose.theta + half_turn;
-    return {pose.x + chord * std::cos(direction), pose.y + chord * std::sin(direction), pose.theta + 2.0 * half_turn};
+    const Chord chord(arc);
+    return chord.end(pose, chord.shift(pose.theta));
 }
 
 /// `target` as seen from `origin`: position in its frame, heading relative to it and wrapped.

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 #include <vector>
 
 #include "tightspot/pose.hpp"
@@ -246,6 +247,26 @@ inline Word assemble(const Family& family, const Lengths& lengths, bool flipped,
     return word;
 }
 
+/// One of the symmetries of a goal, and how its words are read.
+struct Symmetry {
+    bool flipped, reflected, opposite;
+};
+
+template <std::size_t I, class Visit>
+void visit_family(const Goal& target, Symmetry symmetry, Visit&& visit) {
+    constexpr Family family = families[I];
+    if (symmetry.opposite && !family.has_opposite_order) return;
+    Lengths lengths{};
+    if (family.equation(target, lengths))
+        visit(assemble(family, lengths, symmetry.flipped, symmetry.reflected, symmetry.opposite));
+}
+
+/// All families one after the other, each compiled by itself.
+template <class Visit, std::size_t... I>
+void visit_families(const Goal& target, Symmetry symmetry, Visit&& visit, std::index_sequence<I...> /*all*/) {
+    (visit_family<I>(target, symmetry, visit), ...);
+}
+
 }  // namespace detail
 
 /// Calls `visit(const Word&)` with every word that leads from the origin to `goal` (m, rad).
@@ -256,18 +277,14 @@ void for_each_word(const Pose& goal, double radius, Visit&& visit) {
     const double s = std::sin(phi), c = std::cos(phi);
     const Goal direct(phi, Offset(x - s, y - 1.0 + c), Offset(x + s, y - 1.0 - c));
     const Goal reflected(-phi, Offset(x + s, -y - 1.0 + c), Offset(x - s, -y - 1.0 - c));
-    detail::Lengths lengths{};
     for (const bool opposite : {false, true}) {
         for (const bool is_reflected : {false, true}) {
             const Goal& order = is_reflected ? reflected : direct;
             const Goal ahead = opposite ? order.opposite(is_reflected ? direct : reflected) : order;
             for (const bool flipped : {false, true}) {
                 const Goal target = flipped ? ahead.time_flipped() : ahead;
-                for (const detail::Family& family : detail::families) {
-                    if (opposite && !family.has_opposite_order) continue;
-                    if (family.equation(target, lengths))
-                        visit(detail::assemble(family, lengths, flipped, is_reflected, opposite));
-                }
+                detail::visit_families(target, {flipped, is_reflected, opposite}, visit,
+                                       std::make_index_sequence<detail::families.size()>());
             }
         }
     }
