@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar
 
 from tightspot.guesses.base import Guess, GuessResult, as_single_track, known
@@ -19,6 +20,12 @@ MORE_THAN_MARGIN = (0.05, 0.02, 0.0)
 def margins_for(margin: float) -> tuple[float, ...]:
     """Clearances to search for, the largest first, where ``margin`` is demanded, m."""
     return tuple(dict.fromkeys((*(margin + more for more in MORE_THAN_MARGIN), margin / 2)))
+
+
+@lru_cache(maxsize=64)
+def options_for(margin: float) -> HybridAStarOptions:
+    """How to search where ``margin`` (m) is demanded, unless told otherwise."""
+    return HybridAStarOptions(margins=margins_for(margin))
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,7 @@ class HybridAStar(Guess):
 
     def make(self, scenario: Scenario, vehicle: VehicleModel, *, margin: float) -> GuessResult:
         car = as_single_track(vehicle, self.name)
-        options = self.options or HybridAStarOptions(margins=margins_for(margin))
+        options = self.options or options_for(margin)
         if self.seed is not None:
             options = perturbed(options, self.seed)
         obstacles = scenario.obstacle_polygons

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,12 +33,12 @@ class Path:
     gear: NDArray[np.int64]
     arcs: Array
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Way of the rear-axle midpoint, m."""
         return float(np.abs(self.arcs[:, 0]).sum())
 
-    @property
+    @cached_property
     def gear_changes(self) -> int:
         """How often the direction of travel changes."""
         gears = np.sign(self.arcs[:, 0])
@@ -53,7 +55,7 @@ class Path:
             goal: Pose that the arcs are known to reach; the last sample is set to it exactly (its heading to
                 the equivalent angle nearest the path's), which removes rounding.
         """
-        if not (np.isfinite(spacing) and spacing > 0):
+        if not (math.isfinite(spacing) and spacing > 0):
             raise InputError(Problem("spacing", f"{spacing} m must be a positive, finite distance"))
         arcs = np.ascontiguousarray(arcs, dtype=float).reshape(-1, 2)
         samples = compiled_core().sample_arcs(pose_of(start, "start"), arcs, float(spacing))
@@ -67,6 +69,6 @@ class Path:
 def pose_of(value: ArrayLike, name: str) -> Array:
     """Three finite numbers as an array; raises :class:`InputError` naming the argument."""
     pose = np.ascontiguousarray(value, dtype=float)
-    if pose.shape != (3,) or not np.isfinite(pose).all():
+    if pose.shape != (3,) or not all(map(math.isfinite, pose.tolist())):
         raise InputError(Problem(name, f"{value!r} is not a pose; give three finite numbers (x m, y m, theta rad)"))
     return pose
