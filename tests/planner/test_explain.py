@@ -48,6 +48,13 @@ def why(scenario: Scenario | str, **options: Any) -> Explanation:
     return explanation
 
 
+def test_of_two_obstacles_at_the_same_body_the_body_is_named_once() -> None:
+    found = why(gap(3.0, box("post", 3, 3.5, -1, 1), box("bin", -0.5, 0.0, -1, 1)))
+    assert found.sentence.count("the vehicle's body") == 1
+    assert "obstacle 'post'" in found.sentence
+    assert " and overlaps obstacle " in found.sentence
+
+
 def test_start_blocked_by_a_named_obstacle() -> None:
     found = why(gap(3.0, box("post", 3, 3.5, -1, 1)))
     assert found.kind is FailureKind.START_BLOCKED

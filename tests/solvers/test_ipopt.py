@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+import time
 
 import casadi as ca
 import numpy as np
@@ -115,6 +116,20 @@ def test_limits_are_statuses(solver, status):
     assert report.status is status
     assert not report.status.success
     assert np.isfinite(report.x).all()
+
+
+def test_what_deriving_the_functions_takes_is_taken_from_the_time_limit(monkeypatch):
+    derive = Ipopt._build
+
+    def slowly(self, *arguments):
+        time.sleep(0.3)
+        return derive(self, *arguments)
+
+    monkeypatch.setattr(Ipopt, "_build", slowly)
+    late = Ipopt(time_limit=0.2).solve(rosenbrock())
+    assert late.status is SolveStatus.TIME_LIMIT
+    assert late.timings["build"] >= 0.3
+    assert Ipopt(time_limit=20.0).solve(rosenbrock()).status.success
 
 
 def test_a_shorter_time_limit_is_taken_and_a_longer_one_is_not():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -34,11 +35,25 @@ _AFTER_STATUS = {
 }
 
 
+_WHOSE = re.compile(r"the vehicle's .+? (?=overlaps |is )")
+
+
 def blocked_words(ends: Sequence[Blocked]) -> tuple[str, str]:
     """(what was found, what to change) when the vehicle cannot stand at the start or the goal."""
-    found = [f"The vehicle cannot stand at the {end.end}: {' and '.join(end.faults)}." for end in ends]
+    found = [f"The vehicle cannot stand at the {end.end}: {_in_a_row(end.faults)}." for end in ends]
     remedies = [f"At the {end.end} {end.remedy}." for end in ends]
     return " ".join(found), " ".join(remedies)
+
+
+def _in_a_row(faults: list[str]) -> str:
+    """One after the other; who is meant is said once as long as it is the same."""
+    told, before = [], ""
+    for fault in faults:
+        body = _WHOSE.match(fault)
+        who = body[0] if body else ""
+        told.append(fault[len(who) :] if who and who == before else fault)
+        before = who
+    return " and ".join(told)
 
 
 def path_words(
