@@ -198,6 +198,16 @@ void bind_motion(nb::module_& m, const char* name) {
                 return states<Model>({low, high});
             },
             nb::rv_policy::automatic)
+        .def(
+            "apart",
+            [](const M& self, const Rows& record) {
+                need(!self.nodes.empty() && static_cast<int>(record.shape(0)) == self.intervals() + 1 &&
+                         record.shape(1) == Model::states,
+                     "the record does not fit the motion");
+                const auto [position, furthest] = self.apart(record.data());
+                return std::pair(position, column(std::vector<double>(furthest.begin(), furthest.end())));
+            },
+            "record"_a)
         .def_ro("position_error", &M::position_error)
         .def_ro("heading_error", &M::heading_error);
 }

@@ -329,5 +329,7 @@ def _finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _within_bounds(states: NDArray[np.float64], request: Request) -> NDArray[np.float64]:
     """The states with rounding errors beyond a bound (below 1e-9) put back onto it."""
     low, high = request.vehicle.state_bounds
+    if not ((states < low) | (states > high)).any():
+        return states
     clipped = np.minimum(np.maximum(states, low), high)
     return np.where(np.abs(clipped - states) < 1e-9, clipped, states)

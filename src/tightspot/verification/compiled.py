@@ -91,9 +91,14 @@ def obstacles(polygons: Sequence[ConvexPolygon]) -> JudgeObstacles:
     return result
 
 
+_enclosing: WeakKeyDictionary[ConvexPolygon, JudgeWalls] = WeakKeyDictionary()
+
+
 def walls(workspace: ConvexPolygon) -> JudgeWalls:
-    """The edges of the workspace as barriers."""
-    result: JudgeWalls = core().JudgeWalls(-workspace.A, -workspace.b)
+    """The edges of the workspace as barriers; of a workspace they are made once."""
+    result: JudgeWalls | None = _enclosing.get(workspace)
+    if result is None:
+        result = _enclosing[workspace] = core().JudgeWalls(-workspace.A, -workspace.b)
     return result
 
 

@@ -18,7 +18,7 @@ def file_exact(scenario: Scenario, trajectory: Trajectory) -> tuple[Scenario, Tr
 
     They come back unchanged if the scenario has no offset, and from a second call in any case.
     """
-    if not np.any(scenario.offset):
+    if not any(scenario.offset.tolist()):
         return scenario, trajectory
     for _ in range(8):
         rounded = trajectory.shifted(scenario.offset).shifted(-scenario.offset)

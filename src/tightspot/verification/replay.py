@@ -33,7 +33,7 @@ RESERVE = 1e-9
 _ROUNDING = 8 * np.finfo(float).eps  # of a step's sums, relative to the state
 
 
-_OF_KNOTS = ("apart", "furthest", "defect")
+_OF_KNOTS = ("apart", "furthest", "defect", "_by_core")
 """What a replay finds out about its trajectory's knots."""
 
 
@@ -134,7 +134,15 @@ class Replay:
     @cached_property
     def furthest(self) -> Array:
         """Largest absolute value of each column of :attr:`apart`, shape (n_x,)."""
+        if self.core is not None:
+            return self._by_core[1]
         return np.asarray(np.abs(self.apart).max(axis=0))
+
+    @cached_property
+    def _by_core(self) -> tuple[float, Array]:
+        """Largest distance of positions and :attr:`furthest`, of a motion in the compiled core."""
+        assert self.core is not None
+        return self.core.apart(np.ascontiguousarray(self.trajectory.states))
 
     @cached_property
     def defect(self) -> tuple[float, float]:
@@ -142,9 +150,10 @@ class Replay:
 
         Headings are compared as angles, so a whole turn between them does not count.
         """
-        x, y, turn = self.apart[:, :3].T
-        position, heading = float(np.hypot(x, y).max()), float(self.furthest[2])
+        heading = float(self.furthest[2])
+        position = float(np.hypot(*self.apart[:, :2].T).max()) if self.core is None else self._by_core[0]
         if not heading <= np.pi:
+            turn = self.apart[:, 2]
             heading = float(np.abs(turn - 2 * np.pi * np.round(turn / (2 * np.pi))).max())
         return position, heading
 

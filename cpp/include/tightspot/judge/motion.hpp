@@ -90,6 +90,19 @@ class Motion {
         return {low, high};
     }
 
+    /// How far the states of a record of the knots are from the motion's at most: of (x, y), and of each state.
+    std::pair<double, State> apart(const double* record) const {
+        double position = 0;
+        State furthest{};
+        for (int k = 0; k <= intervals(); ++k) {
+            const double* mine = record + k * Model::states;
+            const State& own = knot(k);
+            position = std::max(position, std::hypot(mine[0] - own[0], mine[1] - own[1]));
+            for (int i = 0; i < Model::states; ++i) furthest[i] = std::max(furthest[i], std::abs(mine[i] - own[i]));
+        }
+        return {position, furthest};
+    }
+
     Model model;
     std::vector<double> t, inputs;
     std::vector<int> substeps;        // steps in each interval
