@@ -74,7 +74,7 @@ def test_seeds_lead_to_other_courses_and_the_same_to_the_same():
     assert first.details.path.arcs.tolist() != other.details.path.arcs.tolist()
 
 
-@pytest.mark.parametrize("seed", [-1, 0.5, np.nan, "x"])
+@pytest.mark.parametrize("seed", [-1, 0.5, np.nan, "x", True])
 def test_a_seed_is_a_whole_number(seed):
     scene = builtin("vertical")
     with pytest.raises(InputError, match="seed"):

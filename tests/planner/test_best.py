@@ -139,7 +139,7 @@ def test_where_no_way_leads_it_says_so_soon() -> None:
         tightspot.plan(Scenario.from_dict(data), effort="best")
 
 
-@pytest.mark.parametrize("seed", [-1, 1.5, "a"])
+@pytest.mark.parametrize("seed", [-1, 1.5, "a", True])
 def test_a_seed_must_be_a_whole_number(seed: object) -> None:
     with pytest.raises(InputError, match=r"^seed: .* must be a whole number"):
         tightspot.plan("oblique", effort="best", seed=seed)  # type: ignore[arg-type]

@@ -54,7 +54,13 @@ def test_a_problem_that_cannot_be_used_spoils_no_other():
 def test_none_and_wrong_arguments():
     assert solve_many([]) == []
     given = [problem()]
-    for wrong in ({"threads": 0}, {"threads": 1.5}, {"time_limit": 0.0}, {"time_limit": float("nan")}):
+    for wrong in (
+        {"threads": 0},
+        {"threads": 1.5},
+        {"threads": True},
+        {"time_limit": 0.0},
+        {"time_limit": float("nan")},
+    ):
         with pytest.raises(InputError, match=next(iter(wrong))):
             solve_many(given, **wrong)
     with pytest.raises(InputError, match=r"problems\[1\]"):

@@ -18,7 +18,7 @@ def generator(seed: int, field: str = "guess.seed") -> np.random.Generator:
         InputError: If the seed is not a whole number, 0 or more.
     """
     try:
-        return np.random.default_rng(int(seed) if seed == int(seed) else -1)
+        return np.random.default_rng(int(seed) if seed == int(seed) and not isinstance(seed, bool | np.bool_) else -1)
     except (TypeError, ValueError, OverflowError):
         raise InputError(Problem(field, f"{seed!r} must be a whole number, 0 or more")) from None
 

@@ -50,7 +50,8 @@ class Fatrop(Solver):
     Attributes:
         tolerance: fatrop's ``tol``.
         max_iterations: Limit.
-        time_limit: Wall-clock limit of one solve, s; fatrop's own set-up counts, compiling does not.
+        time_limit: Wall-clock limit of one solve, s; writing the stages and fatrop's own set-up count, compiling does
+            not.
         compiled: As in :class:`tightspot.solvers.Ipopt`.
         options: Further fatrop options, by fatrop's names; they override ours.
 
@@ -86,7 +87,8 @@ class Fatrop(Solver):
         start = nlp.x0 if warm is None else warm.x
         with built(nlp, (self.name, self.compiled), lambda: self._program(nlp)) as program:
             ready = time.perf_counter()
-            outcome = self._outcome(nlp, program, start, callback, ready + self.time_limit)
+            deadline = (ready if self.compiled else started) + self.time_limit
+            outcome = self._outcome(nlp, program, start, callback, deadline)
             timings = {"build": ready - started + outcome.build, "solve": outcome.solve, "functions": outcome.functions}
             return self._report(nlp, program, start, outcome, timings)
 

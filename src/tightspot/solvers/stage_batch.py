@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tightspot.errors import InputError, Problem
+from tightspot.errors import InputError, Problem, is_whole
 from tightspot.solvers.base import Array
 from tightspot.solvers.stage_core import MODELS, compiled
 from tightspot.solvers.stage_problem import StageProblem
@@ -22,7 +22,7 @@ def check_batch(problems: Sequence[StageProblem], threads: int, time_limit: floa
     Raises:
         InputError: With all problems of the first argument that has some.
     """
-    if not isinstance(threads, (int, np.integer)) or threads < 1:
+    if not is_whole(threads) or threads < 1:
         raise InputError(Problem("threads", f"{threads!r} is no number of threads; give at least 1"))
     if time_limit is not None and not (isinstance(time_limit, (float, int, np.number)) and time_limit > 0):
         raise InputError(Problem("time_limit", f"{time_limit!r} must be positive"))
