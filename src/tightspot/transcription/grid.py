@@ -35,7 +35,8 @@ class TimeGrid:
         """N equal intervals, the paper's grid."""
         if steps < 1:
             raise InputError(Problem("steps", f"{steps} is too few; give at least 1 interval"))
-        fractions = np.arange(steps + 1) / steps
+        fractions = np.arange(steps + 1) * (1 / steps)  # as numpy.linspace has them
+        fractions[-1] = 1.0
         fractions.setflags(write=False)
         made: TimeGrid = object.__new__(cls)
         made.__dict__["fractions"] = fractions
