@@ -44,7 +44,7 @@ def warm_rounds(request: Request, last: Round, core: KeptCore, tell: ProgressCal
 
     No fall-back solvers, and no other starts: what does not come out at once is better planned anew.
     """
-    alone = replace(request, fallbacks=())
+    alone = replace(request, fallbacks=()) if request.fallbacks else request
     start = last.trajectory
     step: Step | None = Step(last.mesh, start, "warm", "from the last plan", last)
     solved = _solved_again(alone, last, core, deadline - time.perf_counter(), iterations_told(tell, 0))
@@ -73,7 +73,7 @@ def _solved_again(
         step = Step(last.mesh, last.trajectory, "warm", "from the last plan", last)
         problem = carry_lines(last.mesh.grid, report, problem_of(request, step))
     most, limit = min(solver.max_iterations, WARM_ITERATIONS), min(solver.time_limit, max(seconds, 1e-3))
-    quick = replace(solver, max_iterations=most, time_limit=limit, robust=False)
+    quick = solver.with_options(max_iterations=most, time_limit=limit, robust=False)
     old = report.point
     point = StagePoint(problem.starting_point(), old.s, old.z, old.zb, old.lam, old.nu)
     return quick.solve_stages(problem, warm=point, callback=watch, core=core.of(problem))

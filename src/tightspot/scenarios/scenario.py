@@ -143,10 +143,23 @@ class Scenario:
 
     def with_(self, **changes: Any) -> Scenario:
         """A copy with some attributes changed, checked again."""
+        if changes.keys() <= _ENDS:
+            return self._with_ends(changes)
         copy = dataclasses.replace(self, **changes)
         if copy.obstacles == self.obstacles and copy.boundary is self.boundary:
             for key in _OF_OBSTACLES & self.__dict__.keys():  # computed on demand, then kept
                 copy.__dict__[key] = self.__dict__[key]
+        return copy
+
+    def _with_ends(self, changes: dict[str, Any]) -> Scenario:
+        """The same where nothing but the ends is other: the rest need not be looked at again."""
+        kept = {name: value for name, value in self.__dict__.items() if name in _FIELDS or name in _OF_OBSTACLES}
+        ends = {key: as_state(changes[key], key) for key in ("start", "goal") if key in changes}
+        problems = [problem for key, state in ends.items() for problem in state_problems(key, state)]
+        if problems:
+            raise SceneError(problems)
+        copy = object.__new__(type(self))
+        copy.__dict__.update(kept, **(changes | ends))
         return copy
 
     def with_free_steering(self) -> Scenario:
@@ -202,6 +215,10 @@ class Scenario:
         fields = assemble(data, name)
         fields["tolerance"] = Tolerance.from_spec(fields["tolerance"])
         return cls(**fields)
+
+
+_FIELDS = {field.name for field in dataclasses.fields(Scenario)}
+_ENDS = {"start", "goal", "originals"}
 
 
 def _problems(scenario: Scenario) -> list[Problem]:

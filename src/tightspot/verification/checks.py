@@ -57,7 +57,7 @@ def motion_checks(scenario: Scenario, replay: Replay, limits: Limits) -> list[Ch
 
 def upper(name: str, value: float, limit: float, what: str, unit: str) -> Check:
     """A check that passes if ``value <= limit``."""
-    return Check(name, bool(value <= limit), float(value), float(limit), partial(_at_most, what, value, unit, limit))
+    return Check.of(name, bool(value <= limit), float(value), float(limit), partial(_at_most, what, value, unit, limit))
 
 
 def _at_most(what: str, value: float, unit: str, limit: float) -> str:
