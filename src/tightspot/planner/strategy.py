@@ -207,10 +207,13 @@ def _within_reach(request: Request, room: Room) -> NDArray[np.bool_]:
     all within the farthest of ``FAR`` in which there are not too many. For others those within ``REACH``, or all if
     they are few.
     """
-    near = room.within(REACH)
     if isinstance(request.solver, Stagewise):
-        reaches = (room.within(reach) for reach in FAR)
-        return _with_neighbours(next((far for far in reaches if far.sum() <= MANY_PAIRS), near))
+        for reach in FAR:
+            far = room.within(reach)
+            if far.sum() <= MANY_PAIRS:
+                return _with_neighbours(far)
+        return _with_neighbours(room.within(REACH))
+    near = room.within(REACH)
     return np.ones_like(near) if near.size <= FEW_PAIRS else _with_neighbours(near)
 
 
