@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,9 +49,9 @@ class Trajectory:
     @classmethod
     def of_sound(
         cls, t: Array, states: Array, inputs: Array, state_names: tuple[str, ...], input_names: tuple[str, ...]
-    ) -> Trajectory:
+    ) -> Self:
         """From arrays of our own making that are known to be in order: neither checked nor copied."""
-        made: Trajectory = object.__new__(cls)
+        made = object.__new__(cls)
         for field, value in (("t", t), ("states", states), ("inputs", inputs)):
             value.setflags(write=False)
             made.__dict__[field] = value

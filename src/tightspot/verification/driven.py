@@ -35,7 +35,9 @@ class DrivenTrajectory(Trajectory):
         if isinstance(trajectory, cls) and trajectory.vehicle is vehicle:
             return trajectory
         names = trajectory.state_names, trajectory.input_names
-        return cls(trajectory.t, trajectory.states, trajectory.inputs, *names, vehicle)
+        made = cls.of_sound(trajectory.t, trajectory.states, trajectory.inputs, *names)
+        made.__dict__["vehicle"] = vehicle
+        return made
 
     @cached_property
     def replay(self) -> Replay:
