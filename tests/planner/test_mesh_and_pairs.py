@@ -140,7 +140,7 @@ def test_pairs_are_near_where_the_guess_is_near() -> None:
 def test_replayed_room_names_the_intervals() -> None:
     scene, car = builtin("vertical"), vehicle("paper")
     motion = replay(car, drive([(1.0, 0.0), *[(0.0, 0.0)] * 11, (-1.0, 0.0)]))
-    room = Room.of_replay(motion, scene, car)
+    room = Room.of_replay(motion, scene)
     assert room.obstacles.shape == (13, 1, 2)
     times = np.linspace(0, 13, 13 * 64 + 1)
     finer = by_interval(sampled_clearance(motion.at(times), scene, car), 64)

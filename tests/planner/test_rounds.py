@@ -71,7 +71,7 @@ def test_a_motion_beyond_the_workspace_is_objected_to() -> None:
     ahead = np.array([[1.0, 0.0], *[[0.0, 0.0]] * 18, [-1.0, 0.0]])
     t = np.arange(len(ahead) + 1.0)
     rough = Trajectory(t, np.zeros((len(t), 5)) + asked.scenario.start * [1, 1, 1, 0, 0], ahead)
-    room = Room.of_replay(replay(asked.vehicle, rough), asked.scenario, asked.vehicle)
+    room = Room.of_replay(replay(asked.vehicle, rough), asked.scenario)
     assert "leaves the workspace by" in room.objection(t, -np.inf, asked.scenario, asked.vehicle)
 
 

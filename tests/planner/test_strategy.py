@@ -64,7 +64,7 @@ def test_a_guess_is_first_made_free_at_the_knots() -> None:
 
 
 def room_of(asked: Request, trajectory: Trajectory) -> Room:
-    return Room.of_replay(replay(asked.vehicle, trajectory), asked.scenario, asked.vehicle)
+    return Room.of_replay(replay(asked.vehicle, trajectory), asked.scenario)
 
 
 def test_refine_splits_exactly_the_intervals_that_are_too_near() -> None:
@@ -142,16 +142,14 @@ def test_after_the_knots_come_whole_intervals_on_a_mesh_that_is_finer_where_it_i
     if step.kind == "again":
         first = run_round(asked, step, 1, lambda news: None, 30.0)
         assert first.replay is not None
-        step = between_the_knots(
-            asked, first, first.replay, Room.of_replay(first.replay, asked.scenario, asked.vehicle)
-        )
+        step = between_the_knots(asked, first, first.replay, Room.of_replay(first.replay, asked.scenario))
     assert step.mesh.formulation is asked.formulation
     assert step.before is first, "lines and multipliers are carried over"
     finer = step.mesh.grid.fractions
     assert np.isin(np.round(first.mesh.grid.fractions, 12), np.round(finer, 12)).all(), "old knots stay knots"
     widths = np.diff(finer)
     assert widths.max() / widths.min() > 1.9, "not uniform"
-    spare = Room.of_replay(first.replay, asked.scenario, asked.vehicle).spare(asked.margin)
+    spare = Room.of_replay(first.replay, asked.scenario).spare(asked.margin)
     middles = (finer[:-1] + finer[1:]) / 2
     inside = np.searchsorted(first.mesh.grid.fractions, middles) - 1
     cut = np.bincount(inside, minlength=spare.size) > 1
@@ -188,7 +186,7 @@ def _starts(outcome: Round) -> list[str]:
 def test_a_solution_whose_knots_jump_over_an_obstacle_is_no_start() -> None:
     asked, guess, first = solved_at_the_knots("parallel", steps=7)
     assert first.replay is not None
-    assert Room.of_replay(first.replay, asked.scenario, asked.vehicle).deepest < -HOPELESS
+    assert Room.of_replay(first.replay, asked.scenario).deepest < -HOPELESS
     step = next_step(asked, [first], guess)
     assert step is not None
     assert step.kind == "guess"
@@ -221,7 +219,7 @@ def test_astray_through_what_was_missing_the_same_step_is_solved_again_with_that
     assert again.mesh.grid is blind.mesh.grid
     assert again.mesh.formulation == blind.mesh.formulation
     assert outcome.replay is not None
-    hit = Room.of_replay(outcome.replay, asked.scenario, asked.vehicle).obstacles < -DEEP
+    hit = Room.of_replay(outcome.replay, asked.scenario).obstacles < -DEEP
     assert again.mesh.active[hit].all()
     rounds = [replace(outcome, step=again) for _ in range(ASTRAY)]
     other = next_step(asked, rounds, guess)

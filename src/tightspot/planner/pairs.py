@@ -94,7 +94,7 @@ class Room:
         return cls._of(nearness(states, GUESS_SAMPLES, scenario, vehicle))
 
     @classmethod
-    def of_replay(cls, replay: Replay, scenario: Scenario, vehicle: VehicleModel) -> Room:
+    def of_replay(cls, replay: Replay, scenario: Scenario) -> Room:
         """Of the replayed motion on its own intervals."""
         return cls._of(nearness_along(replay, scenario))
 

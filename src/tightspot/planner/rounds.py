@@ -303,7 +303,7 @@ def _judged(
         names = trajectory.state_names, trajectory.input_names
         trajectory = Trajectory.of_sound(trajectory.t, _within_bounds(motion.knots, request), trajectory.inputs, *names)
         if step.mesh.formulation != request.formulation and step.kind != "warm":  # which is free as a rule
-            room = Room.of_replay(motion, scenario, vehicle)
+            room = Room.of_replay(motion, scenario)
             objection = room.objection(trajectory.t, margin, scenario, vehicle)
         judge = partial(verify, scenario, vehicle, trajectory, margin=margin, known=motion)
         verdict = judge if objection or step.loose else judge()

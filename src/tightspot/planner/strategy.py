@@ -53,7 +53,7 @@ def next_step(request: Request, rounds: Sequence[Round], guess: Trajectory) -> S
     last = rounds[-1]
     if last.replay is None:
         return _after_failure(request, rounds, guess)
-    room = last.room or Room.of_replay(last.replay, request.scenario, request.vehicle)
+    room = last.room or Room.of_replay(last.replay, request.scenario)
     if _is_astray(last.mesh, room) and sum(outcome.step.kind == "pairs" for outcome in rounds) < ASTRAY:
         return _with_what_was_missing(request, last, room)
     if last.mesh.formulation == request.formulation:

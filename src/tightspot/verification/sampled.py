@@ -146,9 +146,7 @@ def _shaped(found: _Found, steps: int, parts: int, scenario: Scenario) -> Nearne
 
 def by_interval(samples: Array, per_interval: int) -> Array:
     """Smallest value on each interval, both ends included, of ``N * per_interval + 1`` samples: (N, ...)."""
-    intervals = (len(samples) - 1) // per_interval
-    inner = samples[:-1].reshape(intervals, per_interval, *samples.shape[1:]).min(axis=1)
-    return np.asarray(np.minimum(inner, samples[per_interval::per_interval]))
+    return _least(samples, np.arange(0, len(samples), per_interval))
 
 
 def _poses(states: Array, vehicle: VehicleModel) -> Array:
